@@ -104,6 +104,7 @@ ContactMonitor::~ContactMonitor() {
   reload_spinner_.stop();
   diagnostics_timer_.stop();
   requests_.stop();
+  state_service_->stop();
   thread_.join();
   states_thread_.join();
 }
@@ -233,7 +234,8 @@ void ContactMonitor::subscribeToMeshes() {
   }
 }
 
-// Serves ~reload_robot in a thread of its own, all others in the callbacks' thread.
+// Serves ~reload_robot and ~check_states in threads of their own, all others in that of the
+// callbacks.
 void ContactMonitor::advertiseServices() {
   ros::NodeHandle reload_node(private_node_);
   reload_node.setCallbackQueue(&reload_queue_);
@@ -245,6 +247,12 @@ void ContactMonitor::advertiseServices() {
                private_node_.advertiseService("reset", &ContactMonitor::requestReset, this),
                reload_node.advertiseService("reload_robot", &ContactMonitor::reloadRobot, this)};
   reload_spinner_.start();
+  state_service_ = std::make_unique<StateService>(
+      parameters_,
+      QuestionSources{requests_, meshes_, buffer_, [this] { return robot_source_.newest(); },
+                      ros::Time::now},
+      makeStateChecker(parameters_.backend, WithoutCuda::kTryAgain, parameters_.cuda),
+      private_node_);
 }
 
 // A failed call changes nothing. roscpp's services report failure without a text, so it is logged.

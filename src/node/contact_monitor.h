@@ -34,6 +34,7 @@
 #include "node/reconfigure.h"
 #include "node/robot_source.h"
 #include "node/state_publisher.h"
+#include "node/state_service.h"
 #include "node/transform_input.h"
 
 namespace deformable_contact_monitor {
@@ -119,6 +120,7 @@ class ContactMonitor {
   std::atomic<bool> is_unregistered_{false};
   std::unique_ptr<Reconfigure> reconfigure_;  // writes to the master
 
+  std::unique_ptr<StateService> state_service_;  // answers planners, in threads of its own
   std::vector<ros::Subscriber> subscribers_;
   std::vector<ros::ServiceServer> services_;
   ros::WallTimer diagnostics_timer_, watch_timer_;

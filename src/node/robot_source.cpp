@@ -18,6 +18,7 @@ namespace {
 // Compares all that detection depends on. A robot that is sent again must not start a new scene.
 bool same(const RobotGeometry& a, const RobotGeometry& b) {
   return a.robots == b.robots && a.unmonitored_links == b.unmonitored_links &&
+         a.joints == b.joints &&
          std::equal(a.links.begin(), a.links.end(), b.links.begin(), b.links.end(),
                     [](const LinkGeometry& l, const LinkGeometry& m) {
                       return l.link == m.link && l.problem == m.problem &&

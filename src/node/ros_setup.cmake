@@ -14,8 +14,9 @@ list(APPEND catkin_INCLUDE_DIRS ${nav_msgs_INCLUDE_DIRS} ${pcl_msgs_INCLUDE_DIRS
 add_message_files(DIRECTORY msg FILES
   AllowedContact.msg ContactArray.msg ContactEvent.msg ContactGeometry.msg ContactPair.msg
   ContactPatch.msg ContactPatches.msg ContactState.msg ContactStates.msg DeformableMesh.msg
-  LinkMesh.msg LinkMeshes.msg NearestTriangles.msg SweptContacts.msg)
-add_service_files(DIRECTORY msg FILES AttachObject.srv GetContacts.srv SetAllowedContacts.srv)
+  LinkMesh.msg LinkMeshes.msg NearestTriangles.msg StatesChecked.msg StatesToCheck.msg SweptContacts.msg)
+add_service_files(DIRECTORY msg FILES
+  AttachObject.srv CheckStates.srv GetContacts.srv SetAllowedContacts.srv)
 generate_messages(DEPENDENCIES geometry_msgs std_msgs)
 generate_dynamic_reconfigure_options(config/ContactMonitor.cfg)
 

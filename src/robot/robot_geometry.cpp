@@ -100,7 +100,7 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// Reads a robot's description and gives its links their prefix.
+// Reads a robot's description and gives its links and joints their prefix.
 UrdfDocument readDescription(const RobotDescription& robot, GeometryKind kind) {
   UrdfDocument document;
   try {
@@ -111,6 +111,12 @@ UrdfDocument readDescription(const RobotDescription& robot, GeometryKind kind) {
   }
   document.root_link = robot.link_prefix + document.root_link;
   for (UrdfLink& link : document.links) link.name = robot.link_prefix + link.name;
+  for (RobotJoint& joint : document.joints) {
+    for (std::string* name : {&joint.name, &joint.parent, &joint.child}) {
+      name->insert(0, robot.link_prefix);
+    }
+    if (!joint.mimics.empty()) joint.mimics.insert(0, robot.link_prefix);
+  }
   return document;
 }
 
@@ -205,6 +211,7 @@ RobotGeometry loadRobots(const std::vector<RobotDescription>& robots,
       }
     }
     all.link_names.insert(robot.links.begin(), robot.links.end());
+    all.joints.insert(all.joints.end(), documents[i].joints.begin(), documents[i].joints.end());
     all.robots.push_back(std::move(robot));
   }
   const LinkMeshFiles files(meshUris(links), resolve, reading);

@@ -7,6 +7,7 @@
 
 #include "core/triangle_mesh.h"
 #include "robot/link_mesh_files.h"
+#include "robot/robot_joint.h"
 #include "robot/srdf.h"
 #include "robot/urdf_document.h"
 
@@ -42,6 +43,7 @@ struct RobotGeometry {
   std::vector<std::string> unmonitored_links;
   GeometryKind kind = GeometryKind::kCollision;
   std::vector<DescribedRobot> robots;
+  std::vector<RobotJoint> joints{};  // of all robots; empty where there is no URDF
 };
 
 // Selects which geometry of which links is loaded.

@@ -137,6 +137,45 @@ bool mentions(const std::string& text, const std::string& name) {
          text.find("'" + name + "'") != std::string::npos;
 }
 
+RobotJoint::Type typeOf(const urdf::Joint& joint) {
+  switch (joint.type) {
+    case urdf::Joint::FIXED:
+      return RobotJoint::Type::kFixed;
+    case urdf::Joint::REVOLUTE:
+      return RobotJoint::Type::kRevolute;
+    case urdf::Joint::CONTINUOUS:
+      return RobotJoint::Type::kContinuous;
+    case urdf::Joint::PRISMATIC:
+      return RobotJoint::Type::kPrismatic;
+    case urdf::Joint::PLANAR:
+      return RobotJoint::Type::kPlanar;
+    case urdf::Joint::FLOATING:
+      return RobotJoint::Type::kFloating;
+    default:
+      return RobotJoint::Type::kUnknown;
+  }
+}
+
+// Converts a joint of urdfdom. It reads limits of a continuous joint, which mean nothing.
+RobotJoint convert(const urdf::Joint& from) {
+  RobotJoint joint;
+  joint.name = unguarded(from.name);
+  joint.parent = unguarded(from.parent_link_name);
+  joint.child = unguarded(from.child_link_name);
+  joint.type = typeOf(from);
+  joint.origin = from.parent_to_joint_origin_transform;
+  joint.axis = from.axis;
+  if (from.limits != nullptr && joint.type != RobotJoint::Type::kContinuous) {
+    joint.lower = from.limits->lower;
+    joint.upper = from.limits->upper;
+  }
+  if (from.mimic == nullptr) return joint;
+  joint.mimics = unguarded(from.mimic->joint_name);
+  joint.multiplier = from.mimic->multiplier;
+  joint.offset = from.mimic->offset;
+  return joint;
+}
+
 // Throws the error of a whole document, with the line of the link or joint that the reason names.
 [[noreturn]] void refuse(const UrdfText& text, const std::string& reason) {
   std::string where;
@@ -232,6 +271,9 @@ UrdfDocument readUrdf(const std::string& urdf_xml, GeometryKind kind) {
   UrdfDocument document;
   document.name = unguarded(parsed.model->getName());
   document.root_link = unguarded(parsed.model->getRoot()->name);
+  for (const auto& [name, joint] : parsed.model->joints_) {
+    document.joints.push_back(convert(*joint));
+  }
   for (const UrdfText::Link& entry : text.links) {
     const urdf::LinkConstSharedPtr found = parsed.model->getLink(guarded(entry.name));
     if (!found) refuse(text, "link '" + entry.name + "' cannot be read");

@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "robot/robot_joint.h"
+
 namespace deformable_contact_monitor {
 
 // Selects the elements of a link: its collision elements, its visual elements, or the collision
@@ -65,7 +67,8 @@ struct UrdfLink {
 struct UrdfDocument {
   std::string name;
   std::string root_link;
-  std::vector<UrdfLink> links;  // document order
+  std::vector<UrdfLink> links;       // document order
+  std::vector<RobotJoint> joints{};  // by name
 };
 
 // Reads a robot description. A link whose elements are malformed gets a problem, and the others are

@@ -27,7 +27,7 @@ def joint_edges(joints, values, prefix=""):
     edges = {}
     for joint in joints:
         translation, quaternion = origin_of(joint)
-        if joint.get("type") == "revolute":
+        if joint.get("type") in ("revolute", "continuous"):
             half = values[joint.get("name")] / 2
             turn = [value * np.sin(half) for value in numbers(joint.find("axis").get("xyz"))]
             quaternion = quaternion_product(quaternion, (*turn, np.cos(half)))

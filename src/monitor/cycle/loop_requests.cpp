@@ -9,6 +9,17 @@
 
 namespace deformable_contact_monitor {
 
+LoopRequests::LoopRequests(AllowedContacts allowed)
+    : allowed_(std::make_shared<const AllowedContacts>(std::move(allowed))) {
+  in_force_.allowed_contacts = allowed_;
+  in_force_.attached = std::make_shared<const AttachedObjects>();
+}
+
+InForce LoopRequests::inForce() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return in_force_;
+}
+
 std::vector<AllowedContact> LoopRequests::changeAllowedContacts(
     const AllowedContactsChange& change) {
   const std::lock_guard<std::mutex> changing(change_mutex_);
@@ -18,6 +29,8 @@ std::vector<AllowedContact> LoopRequests::changeAllowedContacts(
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     requests_.allowed_contacts = allowed_;
+    in_force_.allowed_contacts = allowed_;
+    ++in_force_.revision;
     wakeLocked();
   }
   return allowed_->rules();
@@ -55,8 +68,11 @@ std::vector<std::string> LoopRequests::endHolds(const AttachedObjects& ended) {
     attached_.erase(found);
   }
   if (texts.empty()) return texts;
-  const std::lock_guard<std::mutex> lock(mutex_);  // a request that waits must not bring them back
-  if (requests_.attached) requests_.attached = std::make_shared<const AttachedObjects>(attached_);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  in_force_.attached = std::make_shared<const AttachedObjects>(attached_);
+  ++in_force_.revision;
+  // A request that waits must not bring them back.
+  if (requests_.attached) requests_.attached = in_force_.attached;
   return texts;
 }
 
@@ -85,13 +101,16 @@ std::vector<std::string> LoopRequests::releaseFromOthers(const std::set<std::str
 void LoopRequests::useAttached(AttachedObjects attached) {
   attached_ = std::move(attached);
   const std::lock_guard<std::mutex> lock(mutex_);
-  requests_.attached = std::make_shared<const AttachedObjects>(attached_);
+  in_force_.attached = std::make_shared<const AttachedObjects>(attached_);
+  ++in_force_.revision;
+  requests_.attached = in_force_.attached;
   wakeLocked();
 }
 
 void LoopRequests::change(const LiveParameters& live) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  requests_.live = live;
+  requests_.live = in_force_.live = live;
+  ++in_force_.revision;
   wakeLocked();
 }
 
@@ -104,7 +123,7 @@ std::uint64_t LoopRequests::requestReset() {
 
 std::uint64_t LoopRequests::setEnabled(bool enabled) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  requests_.enabled = enabled;
+  requests_.enabled = in_force_.enabled = enabled;
   requests_.disabled = requests_.disabled || !enabled;
   wakeLocked();
   return requests_.epoch += enabled ? 0 : 1;

@@ -29,14 +29,22 @@ struct Requests {
   std::uint64_t epoch = 0;  // how often everything known was to be discarded, since the start
 };
 
+// What is in force, for threads that look at bodies by the same rules.
+struct InForce {
+  std::uint64_t revision = 0;  // grows with every change of the next three
+  std::shared_ptr<const AllowedContacts> allowed_contacts;
+  std::shared_ptr<const AttachedObjects> attached;
+  std::optional<LiveParameters> live;  // nothing: as at the start
+  bool enabled = true;
+};
+
 // Collects what services, rqt_reconfigure and the robot source ask of the detection thread, and
 // wakes that thread. Any thread may call every function at any time; only the detection thread
 // calls wait() and take().
 class LoopRequests {
  public:
   // `allowed` are the rules in force at the start.
-  explicit LoopRequests(AllowedContacts allowed)
-      : allowed_(std::make_shared<const AllowedContacts>(std::move(allowed))) {}
+  explicit LoopRequests(AllowedContacts allowed);
 
   // Changes the allowed contacts and returns all rules that are in force then. Throws
   // std::invalid_argument, and changes nothing, if AllowedContacts rejects a part of the change.
@@ -47,6 +55,8 @@ class LoopRequests {
   AttachedObjects attach(const std::string& object, std::vector<std::string> links,
                          std::shared_ptr<const HeldPart> part = nullptr,
                          std::shared_ptr<const RigidGrip> grip = nullptr);
+  // Returns what is in force now. It never waits for a change that takes long.
+  InForce inForce();
   // Returns all attachments.
   AttachedObjects attached();
   // Detaches each of these objects whose same part is attached still. Returns them in words.
@@ -89,6 +99,7 @@ class LoopRequests {
   std::mutex mutex_;  // guards the members below; never held for long
   std::condition_variable wake_;
   Requests requests_;
+  InForce in_force_;
   bool woken_ = false;
   std::atomic<bool> stopped_{false};
 };

@@ -160,13 +160,13 @@ void MonitorScene::setAttached(const AttachedObjects& attached) {
 // Ends each hold whose object has a newer mesh with other triangles, and lists the pairs anew where
 // parts have come or gone. It runs before anything is looked up for the cycle's pairs, because a
 // link that held all of an object may have none of them.
-void MonitorScene::followHolds(const ros::Time& t, const MeshInputs& inputs) {
+void MonitorScene::followHolds(const ros::Time& t, const MeshChoice& choose) {
   bool has_changed = false;
   for (std::size_t i = 0; i < choosers_.size(); ++i) {
     PartChooser& chooser = choosers_[i];
     const std::shared_ptr<const HeldPart> held = chooser.held();
     std::string why_not;
-    const IncomingMesh* const mesh = held == nullptr ? nullptr : inputs[i].newestAt(t, &why_not);
+    const IncomingMesh* const mesh = held == nullptr ? nullptr : choose(i, &why_not);
     if (mesh == nullptr) continue;
     const std::shared_ptr<const BodyParts> before = chooser.parts();
     chooser.update(*mesh);
@@ -289,15 +289,33 @@ std::vector<std::string> MonitorScene::framesOfRobotCycle(bool with_rigid) const
 
 TransformReport MonitorScene::prepare(const ros::Time& t, const CycleTrigger& trigger,
                                       const MeshInputs& inputs, const TransformLookup& lookup) {
+  const auto newest = [&](std::size_t object, std::string* why_not) {
+    return inputs[object].newestAt(t, why_not);
+  };
+  return prepareChosen(t, trigger, newest, lookup);
+}
+
+void MonitorScene::prepareStates(const ros::Time& t, StatesAsked question, const MeshChoice& choose,
+                                 const TransformLookup& lookup) {
+  states_ = std::move(question);
+  CycleTrigger all{{}, true};
+  for (std::size_t i = 0; i < choosers_.size(); ++i) all.objects.push_back(i);
+  prepareChosen(t, all, choose, lookup);
+}
+
+TransformReport MonitorScene::prepareChosen(const ros::Time& t, const CycleTrigger& trigger,
+                                            const MeshChoice& choose,
+                                            const TransformLookup& lookup) {
   clearStatuses();
   markTriggered(trigger);
-  followHolds(t, inputs);
-  const std::vector<const IncomingMesh*> meshes = chooseMeshes(t, inputs);
+  followHolds(t, choose);
+  const std::vector<const IncomingMesh*> meshes = chooseMeshes(choose);
   const std::vector<bool> needed = neededBodies();
 
   std::vector<Question> questions;
   for (BodyId id = 0; id < bodies_.size(); ++id) {
     if (!needed[id] || !isKnown(id)) continue;
+    if (states_ && states_->moved[id]) continue;
     if (isPosed(id)) {
       questions.push_back({id, frameAt(id, t)});
     } else {
@@ -318,24 +336,22 @@ TransformReport MonitorScene::prepare(const ros::Time& t, const CycleTrigger& tr
 // Enables the cycle's pairs whose bodies are known, and disables all others.
 void MonitorScene::enablePairs() {
   for (const MonitoredPair& pair : pairs_) {
-    const bool enabled =
-        !pair.allowed && isOfCycle(bodies_, pair) && isKnown(pair.a) && isKnown(pair.b);
+    const bool enabled = !pair.allowed && isAbout(pair) && isKnown(pair.a) && isKnown(pair.b);
     scene_.setPairEnabled(pair.a, pair.b, enabled);
   }
 }
 
 // Returns the meshes of the objects that the cycle's pairs need, by object; null for the others.
-std::vector<const IncomingMesh*> MonitorScene::chooseMeshes(const ros::Time& t,
-                                                            const MeshInputs& inputs) {
+std::vector<const IncomingMesh*> MonitorScene::chooseMeshes(const MeshChoice& choose) {
   std::vector<bool> asked(bodies_.size(), false);
-  for (BodyId id = 0; id < bodies_.size(); ++id) asked[id] = bodies_[id].triggered;
+  for (BodyId id = 0; id < bodies_.size(); ++id) asked[id] = !states_ && bodies_[id].triggered;
   for (const MonitoredPair& pair : pairs_) {
-    if (!pair.allowed && isOfCycle(bodies_, pair)) asked[pair.a] = asked[pair.b] = true;
+    if (!pair.allowed && isAbout(pair)) asked[pair.a] = asked[pair.b] = true;
   }
-  std::vector<const IncomingMesh*> meshes(inputs.size(), nullptr);
-  for (std::size_t i = 0; i < inputs.size(); ++i) {
+  std::vector<const IncomingMesh*> meshes(choosers_.size(), nullptr);
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
     BodyStatus& body = bodies_[first_object_ + i];
-    if (asked[first_object_ + i]) meshes[i] = inputs[i].newestAt(t, &body.unknown_because);
+    if (asked[first_object_ + i]) meshes[i] = choose(i, &body.unknown_because);
   }
   return meshes;
 }
@@ -344,9 +360,11 @@ std::vector<const IncomingMesh*> MonitorScene::chooseMeshes(const ros::Time& t,
 // objects that triggered the cycle, as people want to see where these are.
 std::vector<bool> MonitorScene::neededBodies() const {
   std::vector<bool> needed(bodies_.size(), false);
-  for (BodyId id = first_object_; id < bodies_.size(); ++id) needed[id] = bodies_[id].triggered;
+  for (BodyId id = first_object_; id < bodies_.size(); ++id) {
+    needed[id] = !states_ && bodies_[id].triggered;
+  }
   for (const MonitoredPair& pair : pairs_) {
-    if (pair.allowed || !isOfCycle(bodies_, pair)) continue;
+    if (pair.allowed || !isAbout(pair)) continue;
     if (!isKnown(pair.a) || !isKnown(pair.b)) continue;
     needed[pair.a] = needed[pair.b] = true;
   }

@@ -3,6 +3,7 @@
 
 #include <ros/time.h>
 
+#include <functional>
 #include <memory>
 #include <memory_resource>
 #include <optional>
@@ -45,6 +46,21 @@ struct CycleTrigger {
   std::vector<std::size_t> objects;
   bool robot = false;
 };
+
+// What a question about states of the robot is about (monitor/planning), by body.
+struct StatesAsked {
+  std::vector<bool> moved;  // links and rigid objects that the states pose
+  std::vector<bool> asked;  // bodies that are asked about
+
+  // Returns whether the states decide about this pair.
+  bool has(const MonitoredPair& pair) const {
+    return (moved[pair.a] || moved[pair.b]) && (asked[pair.a] || asked[pair.b]);
+  }
+};
+
+// Returns the mesh to use of an object, or null and why there is none. The mesh must live until the
+// call that asked for it returns.
+using MeshChoice = std::function<const IncomingMesh*(std::size_t object, std::string* why_not)>;
 
 // Bodies are the robot's links in URDF order, then the rigid objects, then the others. While no
 // robot is known, a single body "robot" that is UNKNOWN stands in for its links: nobody must
@@ -89,6 +105,13 @@ class MonitorScene {
   TransformReport prepare(const ros::Time& t, const CycleTrigger& trigger, const MeshInputs& inputs,
                           const TransformLookup& lookup);
 
+  // Brings the bodies of a question's pairs to the present, as prepare() does those of a cycle. The
+  // chosen meshes are posed at their own stamps, and at `t` the links and rigid objects that the
+  // states do not move. Those that they move get no pose here. A scene for such questions has no
+  // cycles.
+  void prepareStates(const ros::Time& t, StatesAsked question, const MeshChoice& choose,
+                     const TransformLookup& lookup);
+
   // Prepares a report without detection: deformable object i is UNKNOWN because of why[i], unless
   // that is empty. Other bodies are left out.
   void markUnknown(const std::vector<std::string>& why);
@@ -96,8 +119,9 @@ class MonitorScene {
   // Returns a report of the bodies and pairs as they are now, without a result.
   CycleReport makeReport(const ros::Time& stamp, std::uint64_t cycle) const;
 
-  // Returns the scene, for setting where bodies were at the beginning of a time interval. The
-  // caller must leave the pairs as they were.
+  // Returns the scene, for setting where bodies were at the beginning of a time interval, or other
+  // margins for a question. The caller must leave the pairs, and the margins after it, as they
+  // were.
   Scene& sceneOfStep() { return scene_; }
 
   const Scene& scene() const { return scene_; }
@@ -124,7 +148,13 @@ class MonitorScene {
   // Returns the question for the pose of a link or a rigid object at stamp `t`.
   FrameAtStamp frameAt(BodyId id, const ros::Time& t) const;
   void listPairs();
-  void followHolds(const ros::Time& t, const MeshInputs& inputs);
+  TransformReport prepareChosen(const ros::Time& t, const CycleTrigger& trigger,
+                                const MeshChoice& choose, const TransformLookup& lookup);
+  // Returns whether the cycle, or the question, is about this pair.
+  bool isAbout(const MonitoredPair& pair) const {
+    return isOfCycle(bodies_, pair) && (!states_ || states_->has(pair));
+  }
+  void followHolds(const ros::Time& t, const MeshChoice& choose);
   void applyMargin();
   void clearStatuses();
   void markTriggered(const CycleTrigger& trigger);
@@ -133,7 +163,7 @@ class MonitorScene {
   bool isPosed(BodyId id) const { return id < first_object_; }
   const RigidParameters& rigid(BodyId id) const { return parameters_.rigids[id - first_rigid_]; }
   bool sharesMargin(BodyId id) const;
-  std::vector<const IncomingMesh*> chooseMeshes(const ros::Time& t, const MeshInputs& inputs);
+  std::vector<const IncomingMesh*> chooseMeshes(const MeshChoice& choose);
   std::vector<bool> neededBodies() const;
   void enablePairs();
   void poseBodies(const std::vector<Question>& questions, const TransformLookup& lookup,
@@ -157,6 +187,7 @@ class MonitorScene {
   std::vector<PartChooser> choosers_;              // by object
   std::vector<std::shared_ptr<const BodyParts>> parts_in_scene_;  // by object
   BodyId first_rigid_ = 0, first_object_ = 0;
+  std::optional<StatesAsked> states_;  // the question; nothing: there are cycles
 };
 
 }  // namespace deformable_contact_monitor

@@ -29,6 +29,7 @@ EVENTS = "/contact_monitor/contact_events"
 MD5 = {
     "AllowedContact": "4e2b07c1a4705e8d86a3db9f579c598f",
     "AttachObject": "8719fb920e74a03fea6cd3678d10dec7",
+    "CheckStates": "c85b5de8f10a24e7f16501f0133177e0",
     "ContactArray": "7e08734d93c542bf1e4deaac365dd4e5",
     "ContactEvent": "e55736c25137f44cb897b1d3313e8243",
     "ContactGeometry": "69444e8346d34b2a00cdea8dc533c95b",
@@ -43,6 +44,8 @@ MD5 = {
     "LinkMeshes": "0b911e759aca1832ac28cfa4b75ff854",
     "NearestTriangles": "50d2926476a6f3099fa0590352282580",
     "SetAllowedContacts": "58f084afbfa0b6c38ef90a19eb55201a",
+    "StatesChecked": "00160c8d16c8837122e6fb991df7aab3",
+    "StatesToCheck": "1972626dae44ed4ff05119be9ec9cc94",
     "SweptContacts": "01760a1f3ca41ca2e83776344d5507b6",
 }
 # What the old versions had under the same name with the same meaning.

@@ -1,0 +1,66 @@
+// Which bodies the states of a question move, and where they are in each state.
+#pragma once
+
+#include <ros/time.h>
+#include <tf2/buffer_core.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "core/rigid_transform.h"
+#include "core/scene.h"
+#include "monitor/cycle/monitor_scene.h"
+#include "monitor/input/transform_lookup.h"
+#include "monitor/rules/parameters.h"
+#include "robot/robot_kinematics.h"
+
+namespace deformable_contact_monitor {
+
+// The links that named joints move, and the rigid objects that go with these links: those whose TF
+// frame is a link's, or is below it in TF, and those that such a link carries (~attach_object). A
+// mesh never moves with the robot, also one that was seen from a link, or that a link holds. One
+// thread at a time.
+class MovedBodies {
+ public:
+  // Finds out which bodies of the scene move. All arguments must outlive this. Throws
+  // std::invalid_argument, naming the joint, as JointMotion does.
+  MovedBodies(const std::vector<RobotJoint>& joints, const std::vector<std::string>& names,
+              const MonitorScene& scene, const MonitorParameters& parameters,
+              const tf2::BufferCore& transforms);
+
+  // Returns whether the states move a body of the scene.
+  bool isMoved(BodyId id) const { return id < bodies_.size() && bodies_[id].is_moved; }
+
+  // Returns the TF frames whose present poses are needed, but for the reference frame.
+  std::vector<std::string> presentFrames() const;
+
+  // Looks up where everything is that the states start from. Returns why it is not known, naming a
+  // frame; empty: it is.
+  std::string lookUp(const ros::Time& t, const TransformLookup& lookup);
+
+  // Writes the poses of `bodies`, which must all be moved, in the reference frame, in their order,
+  // for one position of each named joint. Call lookUp() before.
+  void pose(const double* positions, const std::vector<BodyId>& bodies, RigidTransform* poses);
+
+  bool isBeyondLimits(const double* positions) const { return motion_.isBeyondLimits(positions); }
+
+ private:
+  struct MovedBody {
+    bool is_moved = false;
+    std::size_t link = 0;     // among the motion's moved links
+    std::string frame{};      // of a rigid object, below that of the link; empty: they are the same
+    RigidTransform in_frame;  // where the body is in its frame
+    RigidTransform in_link;   // where the body is in the link's frame
+  };
+
+  void findCarrier(const FramePlace& place, MovedBody* body) const;
+
+  const MonitorParameters& parameters_;
+  const tf2::BufferCore& transforms_;
+  JointMotion motion_;
+  std::vector<MovedBody> bodies_;  // by BodyId: links and rigid objects
+  std::vector<RigidTransform> links_;
+};
+
+}  // namespace deformable_contact_monitor

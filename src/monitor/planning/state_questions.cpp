@@ -1,0 +1,443 @@
+// Answers what planners ask. check() is the place to start reading.
+#include "monitor/planning/state_questions.h"
+
+#include <deformable_contact_monitor/ContactState.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <set>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include "monitor/state/rejected_sides.h"
+#include "monitor/time_difference.h"
+#include "robot/nearest_name.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+[[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument(why); }
+
+// Refuses a question whose numbers cannot be used.
+void requireNumbers(const StatesToCheck& question) {
+  const std::size_t joints = question.joint_names.size(), numbers = question.positions.size();
+  if (joints == 0) refuse("joint_names is empty");
+  if (numbers == 0) refuse("positions is empty");
+  if (numbers % joints != 0) {
+    refuse("positions has " + std::to_string(numbers) + " numbers, which is no multiple of the " +
+           std::to_string(joints) + " joint_names");
+  }
+  for (std::size_t i = 0; i < numbers; ++i) {
+    if (std::isfinite(question.positions[i])) continue;
+    refuse("positions[" + std::to_string(i) + "], of joint '" + question.joint_names[i % joints] +
+           "' in state " + std::to_string(i / joints) + ", is not finite");
+  }
+  if (!std::isfinite(question.margin) || question.margin > kMaxMarginM) {
+    refuse("margin is " + std::to_string(question.margin) +
+           " m; it must be a number of at most 10");
+  }
+  if (question.max_time < ros::Duration()) refuse("max_time is negative");
+}
+
+// Gives all bodies one margin, and their own again when it goes out of scope. A negative margin
+// leaves them as they are.
+class MarginOfQuestion {
+ public:
+  MarginOfQuestion(float margin_m, Scene* scene) : scene_(scene) {
+    if (margin_m < 0) return;
+    for (const Body& body : scene->bodies())
+      own_.emplace_back(body.own_margin_m, body.part_margins_m);
+    for (BodyId id = 0; id < own_.size(); ++id) {
+      if (!own_[id].second.empty()) scene_->setPartMargins(id, {});
+      scene_->setMargin(id, margin_m);
+    }
+  }
+  MarginOfQuestion(const MarginOfQuestion&) = delete;
+  MarginOfQuestion& operator=(const MarginOfQuestion&) = delete;
+  ~MarginOfQuestion() {
+    for (BodyId id = 0; id < own_.size(); ++id) {
+      scene_->setMargin(id, own_[id].first);
+      if (!own_[id].second.empty()) scene_->setPartMargins(id, own_[id].second);
+    }
+  }
+
+ private:
+  Scene* const scene_;
+  std::vector<std::pair<float, std::map<PartId, float>>> own_;
+};
+
+// Appends the results of some states to the answer.
+class Results {
+ public:
+  // `unknown_because` says why NONE and NEAR are not known; empty: they are.
+  Results(const MonitorScene& scene, const StatesAsked& asked, bool with_names,
+          std::string unknown_because, StatesChecked* answer)
+      : scene_(scene),
+        asked_(asked),
+        with_names_(with_names),
+        unknown_because_(std::move(unknown_because)),
+        answer_(answer) {}
+
+  void add(const StateResults& results) {
+    auto touching = results.pairs.begin();
+    for (std::size_t i = 0; i < results.states.size(); ++i) {
+      const StateAnswer& found = results.states[i];
+      const std::uint8_t state = toState(found.decision);
+      answer_->state.push_back(state);
+      if (state == ContactState::UNKNOWN && answer_->reason.empty()) {
+        answer_->reason = whyUnknown(results);
+      }
+      if (!with_names_) continue;
+      while (touching != results.pairs.end() && touching->state < i) ++touching;
+      const bool is_listed = touching != results.pairs.end() && touching->state == i;
+      addNames(state, found, is_listed ? &*touching : nullptr);
+    }
+  }
+
+ private:
+  std::uint8_t toState(PairDecision decision) const {
+    if (decision == PairDecision::kContact) return ContactState::CONTACT;
+    if (decision == PairDecision::kOpen || !unknown_because_.empty()) return ContactState::UNKNOWN;
+    return decision == PairDecision::kNear ? ContactState::NEAR : ContactState::NONE;
+  }
+
+  std::string whyUnknown(const StateResults& results) const {
+    if (!unknown_because_.empty()) return unknown_because_;
+    return results.cut_off ? results.cut_off_because : "a pose makes vertices infinite";
+  }
+
+  void addNames(std::uint8_t state, const StateAnswer& found, const TouchingBodies* touching) {
+    const TrianglePair& nearest = found.nearest.pair;
+    BodyId a = touching != nullptr ? touching->body_a : nearest.body_a;
+    BodyId b = touching != nullptr ? touching->body_b : nearest.body_b;
+    if (!asked_.moved[a]) std::swap(a, b);
+    const bool is_near = state == ContactState::NEAR, is_contact = state == ContactState::CONTACT;
+    const bool has_names = is_near || is_contact;
+    answer_->link.push_back(has_names ? scene_.bodies()[a].name : "");
+    answer_->object.push_back(has_names ? scene_.bodies()[b].name : "");
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+    answer_->distance.push_back(is_contact                    ? 0
+                                : is_near                     ? found.nearest.distance_m
+                                : state == ContactState::NONE ? kInfinity
+                                                              : kNaN);
+  }
+
+  const MonitorScene& scene_;
+  const StatesAsked& asked_;
+  const bool with_names_;
+  const std::string unknown_because_;
+  StatesChecked* const answer_;
+};
+
+// Results of states of which the checker is not asked.
+StateResults resultsWithoutCheck(std::size_t count, PairDecision decision) {
+  StateResults results;
+  results.states.resize(count);
+  for (StateAnswer& state : results.states) state.decision = decision;
+  return results;
+}
+
+}  // namespace
+
+StateQuestions::StateQuestions(const MonitorParameters& parameters, QuestionSources sources,
+                               std::unique_ptr<StateChecker> checker, int threads)
+    : parameters_(parameters),
+      sources_(std::move(sources)),
+      threads_(threads),
+      checker_(std::move(checker)),
+      scene_(parameters),
+      lookup_(sources_.transforms, parameters.reference_frame) {}
+
+StatesChecked StateQuestions::answer(const StatesToCheck& question) {
+  const SteadyTime start = std::chrono::steady_clock::now();
+  StatesChecked answer;
+  try {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    check(question, start, &answer);
+    answer.success = true;
+  } catch (const std::exception& error) {
+    answer = StatesChecked();
+    answer.reason = error.what();
+  }
+  answer.id = question.id;
+  answer.compute_time = toDuration(secondsSince(start));
+  return answer;
+}
+
+// Takes over the robot and the rules in force, if they have changed.
+void StateQuestions::followRules() {
+  const InForce in_force = sources_.requests.inForce();
+  if (!in_force.enabled) refuse("the monitor is disabled (~set_enabled)");
+  if (!parameters_.pair_classes.needRobot()) refuse("no robot is monitored (~pair_classes)");
+  const std::shared_ptr<const RobotGeometry> robot = sources_.newest_robot();
+  if (robot == nullptr) refuse("no robot received yet");
+  if (robot->joints.empty()) {
+    refuse("the robot's joints are not known, because it has no URDF (~robot_source: topic)");
+  }
+  if (robot != robot_) {
+    scene_.setRobot(*robot);
+    checker_->reset();
+    robot_ = robot;
+    revision_.reset();
+  }
+  if (revision_ == in_force.revision) return;
+  if (in_force.live) {
+    scene_.setMargin(in_force.live->margin_m);
+    scene_.setPairClasses(in_force.live->pair_classes);
+  }
+  scene_.setAllowedContacts(*in_force.allowed_contacts);
+  scene_.setAttached(*in_force.attached);
+  revision_ = in_force.revision;
+}
+
+void StateQuestions::check(const StatesToCheck& question, SteadyTime start, StatesChecked* answer) {
+  requireNumbers(question);
+  followRules();
+  const ros::Time now = sources_.now();
+  if (now.isZero()) refuse("no clock: use_sim_time is set, and nothing came on /clock");
+  Limits limits{SteadyTime::max(), &sources_.requests.stopped()};
+  if (!question.max_time.isZero()) limits.deadline = start + fromSeconds(question.max_time.toSec());
+
+  MovedBodies moved(robot_->joints, question.joint_names, scene_, parameters_, sources_.transforms);
+  const StatesAsked asked = pairsOf(question, moved);
+  const ObjectMeshes meshes = newestMeshes(asked, now, limits.deadline);
+  answer->stamp = presentStamp(moved, asked, now);
+  std::string unknown = moved.lookUp(answer->stamp, lookup_);
+  const double age_s = secondsBetween(now, answer->stamp);
+  if (unknown.empty() && age_s > parameters_.max_mesh_age_s) {
+    unknown =
+        "the newest transforms are " + std::to_string(age_s) + " s old, and max_mesh_age_s less";
+  }
+  const auto choose = [&](std::size_t object, std::string* why_not) -> const IncomingMesh* {
+    *why_not = meshes[object].problem;
+    return why_not->empty() ? &*meshes[object].mesh : nullptr;
+  };
+  scene_.prepareStates(answer->stamp, asked, choose, lookup_);
+  nameObjects(question, asked, meshes, answer);
+  const std::size_t joints = question.joint_names.size();
+  for (std::size_t i = 0; i < question.positions.size(); i += joints) {
+    answer->beyond_limits.push_back(moved.isBeyondLimits(&question.positions[i]));
+  }
+  if (unknown.empty()) {
+    checkStates(question, asked, limits, &moved, answer);
+  } else {
+    Results(scene_, asked, !question.first_only, unknown, answer)
+        .add(resultsWithoutCheck(answer->beyond_limits.size(), PairDecision::kOpen));
+  }
+}
+
+// Refuses objects that do not exist, and those that nothing would be checked with: "free" would be
+// misleading.
+StatesAsked StateQuestions::pairsOf(const StatesToCheck& question, const MovedBodies& moved) const {
+  const std::vector<BodyStatus>& bodies = scene_.bodies();
+  StatesAsked asked;
+  std::vector<std::string> objects;
+  for (BodyId id = 0; id < bodies.size(); ++id) {
+    asked.moved.push_back(moved.isMoved(id));
+    asked.asked.push_back(question.objects.empty());
+    if (id >= scene_.firstRigid()) objects.push_back(bodies[id].name);
+  }
+  const auto has_pair = [&](const StatesAsked& of) {
+    return std::any_of(scene_.pairs().begin(), scene_.pairs().end(),
+                       [&](const MonitoredPair& pair) { return pair.a != pair.b && of.has(pair); });
+  };
+  for (const std::string& name : question.objects) {
+    const auto found = std::find(objects.begin(), objects.end(), name);
+    if (found == objects.end()) {
+      refuse("there is no object '" + name + "'" + nearestNameHint(name, objects));
+    }
+    StatesAsked of_one = asked;
+    const auto id = scene_.firstRigid() + static_cast<BodyId>(found - objects.begin());
+    of_one.asked.assign(bodies.size(), false);
+    of_one.asked[id] = asked.asked[id] = true;
+    if (!has_pair(of_one)) {
+      refuse(
+          "object '" + name +
+          "' has no monitored pair with anything that these joints move (~pair_classes, ~links)");
+    }
+  }
+  if (!has_pair(asked)) {
+    refuse("no monitored pair has anything that these joints move (~pair_classes, ~links)");
+  }
+  return asked;
+}
+
+// Waits for transforms of the meshes, which arrive in another thread, as a cycle does.
+StateQuestions::ObjectMeshes StateQuestions::newestMeshes(const StatesAsked& asked,
+                                                          const ros::Time& now,
+                                                          SteadyTime deadline) {
+  ObjectMeshes meshes(sources_.meshes.size());
+  std::vector<FrameAtStamp> frames;
+  std::set<BodyId> needed;
+  for (const MonitoredPair& pair : scene_.pairs()) {
+    if (!pair.allowed && asked.has(pair)) needed.insert({pair.a, pair.b});
+  }
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    ObjectMesh& one = meshes[i];
+    one.mesh = sources_.meshes[i].newest(&one.problem);
+    if (!one.mesh) continue;
+    const double age_s = secondsBetween(now, one.mesh->stamp());
+    const std::string& frame = one.mesh->message->header.frame_id;
+    if (age_s > parameters_.max_mesh_age_s) {
+      char text[64];
+      std::snprintf(text, sizeof text, "newest mesh is %.3f s old", age_s);
+      one.problem = text;
+    } else if (needed.count(scene_.firstObject() + static_cast<BodyId>(i)) > 0 &&
+               plainFrame(frame) != parameters_.reference_frame) {
+      frames.push_back({plainFrame(frame), one.mesh->stamp()});
+    }
+  }
+  const SteadyTime end =
+      std::min(deadline, std::chrono::steady_clock::now() + fromSeconds(parameters_.tf_timeout_s));
+  while (lookup_.isWorthWaiting(frames)) {
+    if (std::chrono::steady_clock::now() >= end) {
+      lookup_.giveUp(frames);
+      break;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return meshes;
+}
+
+// Returns the newest stamp at which TF has all that the states do not move. Static transforms hold
+// at any time, so they count as of now.
+ros::Time StateQuestions::presentStamp(const MovedBodies& moved, const StatesAsked& asked,
+                                       const ros::Time& now) const {
+  std::vector<std::string> frames = moved.presentFrames();
+  for (const MonitoredPair& pair : scene_.pairs()) {
+    if (pair.allowed || !asked.has(pair)) continue;
+    for (const BodyId id : {pair.a, pair.b}) {
+      if (id >= scene_.firstObject() || asked.moved[id]) continue;
+      const std::string frame = scene_.placeOf(id).frame;
+      if (frame != parameters_.reference_frame) frames.push_back(frame);
+    }
+  }
+  const ros::Time newest =
+      lookup_.newestCommon(frames, parameters_.max_mesh_age_s).value_or(ros::Time());
+  return newest.isZero() ? now : newest;
+}
+
+void StateQuestions::nameObjects(const StatesToCheck& question, const StatesAsked& asked,
+                                 const ObjectMeshes& meshes, StatesChecked* answer) const {
+  std::set<BodyId> looked_at;
+  for (const MonitoredPair& pair : scene_.pairs()) {
+    if (!pair.allowed && asked.has(pair)) looked_at.insert({pair.a, pair.b});
+  }
+  for (BodyId id = scene_.firstRigid(); id < scene_.bodies().size(); ++id) {
+    if (question.objects.empty() ? looked_at.count(id) == 0 : !asked.asked[id]) continue;
+    const BodyStatus& body = scene_.bodies()[id];
+    answer->objects.push_back(body.name);
+    const bool has_messages = id >= scene_.firstObject();
+    const std::optional<IncomingMesh> none;
+    const auto& mesh = has_messages ? meshes[id - scene_.firstObject()].mesh : none;
+    answer->object_stamps.push_back(mesh ? mesh->stamp() : body.stamp);
+  }
+}
+
+// Returns which bodies of the pairs are not known, and why, the first few of them.
+std::string StateQuestions::whyUnknown(const StatesAsked& asked) const {
+  constexpr std::size_t kShown = 5;
+  std::set<BodyId> unknown;
+  for (const MonitoredPair& pair : scene_.pairs()) {
+    if (pair.allowed || !asked.has(pair)) continue;
+    for (const BodyId id : {pair.a, pair.b}) {
+      if (!scene_.bodies()[id].unknown_because.empty()) unknown.insert(id);
+    }
+  }
+  std::string text;
+  std::size_t shown = 0;
+  for (const BodyId id : unknown) {
+    if (shown++ == kShown)
+      return text + "; and " + std::to_string(unknown.size() - kShown) + " more";
+    const BodyStatus& body = scene_.bodies()[id];
+    text += (text.empty() ? "" : "; ") + body.name + ": " + body.unknown_because;
+  }
+  return text;
+}
+
+// Returns why rejected triangles, or parts that nobody knows, leave it open how a pair stands.
+std::string StateQuestions::rejectsProblem(const std::vector<RejectedPart>& rejected,
+                                           const StatesAsked& asked) const {
+  CycleReport report = scene_.makeReport(ros::Time(), 0);
+  report.scene = &scene_.scene();
+  for (const RejectedPart& part : rejected) {
+    BodyStatus& body = report.bodies[part.body];
+    body.rejected += part.count;
+    if (scene_.scene().body(part.body).parts.empty()) continue;
+    body.rejected_by_part.resize(body.pieceCount());
+    body.rejected_by_part.at(part.part) += part.count;
+  }
+  for (std::size_t i = 0; i < statePairCount(report); ++i) {
+    const MonitoredPair& pair = statePair(report, i);
+    if (pair.allowed || !asked.has(pair) || !scene_.scene().pairEnabled(pair.a, pair.b)) continue;
+    for (const bool is_a : {true, false}) {
+      const BodyStatus& body = report.bodies[is_a ? pair.a : pair.b];
+      std::string problem = deformable_contact_monitor::rejectsProblem(
+          report, pair, is_a, {body.rejected, body.rejected_by_part},
+          parameters_.tolerated_rejects);
+      if (!problem.empty()) return problem;
+    }
+  }
+  return "";
+}
+
+// Returns the moved bodies of the enabled pairs.
+std::vector<BodyId> StateQuestions::posedBodies(const StatesAsked& asked) const {
+  std::vector<BodyId> posed;
+  for (BodyId id = 0; id < scene_.bodies().size(); ++id) {
+    if (asked.moved[id] && scene_.scene().takesPart(id)) posed.push_back(id);
+  }
+  return posed;
+}
+
+// Poses and checks some thousand states at a time, which bounds the memory of the poses.
+void StateQuestions::checkStates(const StatesToCheck& question, const StatesAsked& asked,
+                                 const Limits& limits, MovedBodies* moved, StatesChecked* answer) {
+  constexpr std::size_t kStatesAtOnce = 8192;
+  const MarginOfQuestion margin(question.margin, &scene_.sceneOfStep());
+  StateBatch batch;
+  batch.moved = posedBodies(asked);
+  StateOptions options;
+  options.nearest = !question.first_only && question.margin != 0;
+  options.pairs = !question.first_only && !options.nearest;
+  options.threads = threads_;
+  options.limits = limits;
+  std::optional<Results> results;
+  std::vector<RigidTransform> poses;
+  const std::size_t joints = question.joint_names.size(), states = answer->beyond_limits.size();
+  bool is_cut_off = false;
+  for (std::size_t first = 0; first < states; first += kStatesAtOnce) {
+    batch.count = std::min(kStatesAtOnce, states - first);
+    poses.resize(batch.count * batch.moved.size());
+    for (std::size_t i = 0; i < batch.count && !batch.moved.empty(); ++i) {
+      moved->pose(&question.positions[(first + i) * joints], batch.moved,
+                  &poses[i * batch.moved.size()]);
+    }
+    batch.poses = poses.data();
+    StateResults without_check;
+    if (batch.moved.empty()) {
+      without_check = resultsWithoutCheck(batch.count, PairDecision::kNone);
+    } else if (is_cut_off) {
+      without_check = resultsWithoutCheck(batch.count, PairDecision::kOpen);
+      without_check.cut_off = true;
+    }
+    const bool is_checked = without_check.states.empty();
+    const StateResults& found =
+        is_checked ? checker_->check(scene_.scene(), batch, options) : without_check;
+    is_cut_off = is_cut_off || found.cut_off;
+    if (!results) {
+      std::string unknown = whyUnknown(asked);
+      if (unknown.empty()) unknown = rejectsProblem(found.rejected, asked);
+      results.emplace(scene_, asked, !question.first_only, std::move(unknown), answer);
+    }
+    results->add(found);
+  }
+}
+
+}  // namespace deformable_contact_monitor
