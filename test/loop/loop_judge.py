@@ -41,6 +41,10 @@ class Log:
             self.times.append(rospy.get_time())
             self.values.append(message.data)
 
+    def copy(self):
+        with self._lock:
+            return {"t": list(self.times), "v": list(self.values)}
+
     def last(self, otherwise):
         return self.values[-1] if self.values else otherwise
 
@@ -161,7 +165,7 @@ class Judge:
         return {
             "why": why, "stamps": stamps, "distances": distances, "killed_s": self.killed_s,
             "meshes": len(self.meshes.frames),
-            **{name: {"t": log.times, "v": log.values} for name, log in
+            **{name: log.copy() for name, log in
                (("time", self.time), ("scale", self.scale), ("wanted", self.wanted),
                 ("stop", self.stop))}}
 

@@ -162,7 +162,7 @@ class Tolerance(unittest.TestCase):
         states, _ = self.look("cloth", sheet(FINGER_TOP_M + 0.0002))
         self.expect(states, "exact", "finger", NEAR)
         self.expect(states, "ample", "finger", NEAR)
-        self.expect(states, "tolerant", "finger", CONTACT if self.on_cpu else NEAR)
+        self.expect(states, "tolerant", "finger", CONTACT)
 
         states, distances = self.look("cloth", sheet(0.1))
         self.assertEqual(distances["finger"], 0)
