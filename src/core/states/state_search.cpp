@@ -261,10 +261,12 @@ bool StateSearch::trianglesTouch(float touch_m, const Triangle& a, const PlaneFi
     PairFacts facts;
     PredicateState state{Predicates::kExact};
     int sides = 0;
-    for (int i = 0; i < 3; ++i) sides += plane_a.side(b.v[i]);
-    if (sides != 3 && sides != -3 && isCandidate(a, b, facts) &&
-        candidateVerdict(a, b, facts, state).contact) {
-      return true;
+    for (int i = 0; i < 3; ++i) sides += facts.sides.b[i] = plane_a.side(b.v[i]);
+    if (sides != 3 && sides != -3) {
+      const PlaneFilter plane_b(b);
+      sides = 0;
+      for (int i = 0; i < 3; ++i) sides += facts.sides.a[i] = plane_b.side(a.v[i]);
+      if (sides != 3 && sides != -3 && candidateVerdict(a, b, facts, state).contact) return true;
     }
   }
   if (touch_m == 0 || arePlanesApart(a, b, certainlyBeyond(touch_m))) return false;
