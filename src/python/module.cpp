@@ -18,6 +18,7 @@
 #include "python/python_detector.h"
 #include "python/python_result.h"
 #include "python/python_scene.h"
+#include "python/python_states.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -89,10 +90,12 @@ PYBIND11_MODULE(_core, module) {
   bindResult(module);
   bindScene(module);
   bindDetector(module);
+  bindStates(module);
   module.def("read_mesh", &readMesh, py::arg("path"), kReadMeshText);
   // Users then see deformable_contact.Scene and not deformable_contact._core.Scene.
   for (const char* name :
-       {"BodyDistance", "Detector", "NearestPair", "Result", "Scene", "read_mesh"}) {
+       {"BodyDistance", "Detector", "NearestPair", "Result", "Scene", "StateChecker",
+        "StateResults", "read_mesh"}) {
     module.attr(name).attr("__module__") = "deformable_contact";
   }
 }

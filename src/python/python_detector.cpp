@@ -80,38 +80,6 @@ Choice choiceOf(const std::string& argument, const std::string& name,
   throw std::invalid_argument(argument + " '" + name + "' is none of " + names);
 }
 
-// Checks the ranges that CudaSettings cannot hold.
-CudaSettings toSettings(std::int64_t device, std::int64_t memory_limit_mib) {
-  const auto require = [](const char* name, std::int64_t value, std::int64_t low,
-                          std::int64_t high) {
-    if (value < low || value > high) {
-      throw std::invalid_argument(std::string(name) + " is " + std::to_string(value) +
-                                  ", must be in [" + std::to_string(low) + ", " +
-                                  std::to_string(high) + "]");
-    }
-  };
-  require("device", device, 0, kMaxDevice);
-  require("memory_limit_mib", memory_limit_mib, 1, kMaxMemoryMib);
-  CudaSettings settings;
-  settings.device = static_cast<int>(device);
-  settings.memory_limit_bytes = static_cast<std::uint64_t>(memory_limit_mib) << 20;
-  return settings;
-}
-
-// Returns the time at which a cycle ends early; the far future without a limit.
-SteadyTime deadlineIn(std::optional<double> max_time_s) {
-  // Longer times would overflow the clock [s].
-  constexpr double kForEver = 1e8;
-  if (!max_time_s) return SteadyTime::max();
-  if (!(*max_time_s >= 0)) {
-    throw std::invalid_argument("max_time_s is " + std::to_string(*max_time_s) +
-                                ", must be >= 0, or None");
-  }
-  if (*max_time_s > kForEver) return SteadyTime::max();
-  return std::chrono::steady_clock::now() + std::chrono::duration_cast<SteadyTime::duration>(
-                                                std::chrono::duration<double>(*max_time_s));
-}
-
 // Warns as Python does, which shows each place once. Throws what a filter of the user makes of it.
 void warnIfNothingIsEnabled(const Scene& scene) {
   if (scene.bodyCount() == 0 || !scene.enabledPairs().empty()) return;
@@ -161,6 +129,36 @@ std::string describe(const PythonDetector& detector) {
 }
 
 }  // namespace
+
+CudaSettings toSettings(std::int64_t device, std::int64_t memory_limit_mib) {
+  const auto require = [](const char* name, std::int64_t value, std::int64_t low,
+                          std::int64_t high) {
+    if (value < low || value > high) {
+      throw std::invalid_argument(std::string(name) + " is " + std::to_string(value) +
+                                  ", must be in [" + std::to_string(low) + ", " +
+                                  std::to_string(high) + "]");
+    }
+  };
+  require("device", device, 0, kMaxDevice);
+  require("memory_limit_mib", memory_limit_mib, 1, kMaxMemoryMib);
+  CudaSettings settings;
+  settings.device = static_cast<int>(device);
+  settings.memory_limit_bytes = static_cast<std::uint64_t>(memory_limit_mib) << 20;
+  return settings;
+}
+
+SteadyTime deadlineIn(std::optional<double> max_time_s) {
+  // Longer times would overflow the clock [s].
+  constexpr double kForEver = 1e8;
+  if (!max_time_s) return SteadyTime::max();
+  if (!(*max_time_s >= 0)) {
+    throw std::invalid_argument("max_time_s is " + std::to_string(*max_time_s) +
+                                ", must be >= 0, or None");
+  }
+  if (*max_time_s > kForEver) return SteadyTime::max();
+  return std::chrono::steady_clock::now() + std::chrono::duration_cast<SteadyTime::duration>(
+                                                std::chrono::duration<double>(*max_time_s));
+}
 
 // A backend that was asked for by name must work; "auto" tries CUDA again later.
 PythonDetector::PythonDetector(BackendChoice choice, const CudaSettings& settings,

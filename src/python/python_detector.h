@@ -5,6 +5,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -60,6 +61,13 @@ class PythonDetector {
   ProcessMark detecting_;
   std::string backend_, backend_problem_;
 };
+
+// Checks the ranges that CudaSettings cannot hold. Throws std::invalid_argument.
+CudaSettings toSettings(std::int64_t device, std::int64_t memory_limit_mib);
+
+// Returns the time at which a cycle ends early; the far future without a limit [s]. Throws
+// std::invalid_argument if it is negative.
+SteadyTime deadlineIn(std::optional<double> max_time_s);
 
 // Adds the class Detector.
 void bindDetector(

@@ -36,6 +36,7 @@ bool BoxTree::update(const Body& body, const CycleLimit& limit) {
 void BoxTree::order(const Body& body, const CycleLimit& limit) {
   topology_revision_ = 0;
   nodes_.clear();
+  corners_.clear();
   std::vector<Placed> triangles(body.mesh.triangleCount());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Triangle triangle = receivedTriangle(body.mesh, t);
@@ -56,6 +57,8 @@ std::uint32_t BoxTree::split(Placed* first, Placed* last, const CycleLimit& limi
   nodes_[number].is_leaf = count <= BoxNode::kLanes;
   if (nodes_[number].is_leaf) {
     nodes_[number].count = static_cast<std::uint32_t>(count);
+    nodes_[number].leaf = static_cast<std::uint32_t>(corners_.size());
+    corners_.emplace_back();
     for (std::size_t i = 0; i < count; ++i) nodes_[number].child[i] = first[i].triangle;
     return number;
   }
@@ -101,7 +104,7 @@ void BoxTree::fit(const Body& body) {
   box_ = boxes_.empty() ? Aabb() : boxes_[0];
 }
 
-void BoxTree::fitNode(const Body& body, BoxNode& node, Aabb& box) const {
+void BoxTree::fitNode(const Body& body, BoxNode& node, Aabb& box) {
   box = Aabb();
   node.used = 0;
   std::uint16_t parts[BoxNode::kLanes];
@@ -110,7 +113,12 @@ void BoxTree::fitNode(const Body& body, BoxNode& node, Aabb& box) const {
     node.first[i] = ~std::uint32_t{0};
     if (i < node.count && node.is_leaf) {
       const Triangle triangle = receivedTriangle(body.mesh, node.child[i]);
-      if (isFinite(triangle)) of_lane = boxOf(triangle);
+      if (isFinite(triangle)) {
+        of_lane = boxOf(triangle);
+        for (int c = 0; c < 3; ++c) {
+          for (int k = 0; k < 3; ++k) corners_[node.leaf].at[c][k][i] = triangle.v[c][k];
+        }
+      }
       node.first[i] = node.child[i];
       parts[i] = body.partOf(node.child[i]);
     } else if (i < node.count) {

@@ -24,6 +24,7 @@ struct BoxNode {
   std::uint32_t child[kLanes];
   std::uint32_t first[kLanes];  // the least index of a triangle below
   std::uint32_t count;          // of children
+  std::uint32_t leaf;           // of a leaf: its number
   std::uint32_t used;           // bits of the children that have triangles with finite vertices
   std::uint16_t part;           // the part of all triangles below, or kSeveralParts
   bool is_leaf;
@@ -33,6 +34,12 @@ struct BoxNode {
     return {{centre[0][lane], centre[1][lane], centre[2][lane]},
             {half[0][lane], half[1][lane], half[2][lane]}};
   }
+};
+
+// The corners of a leaf's triangles in the body's own frame, by corner and axis [m]. Those of lanes
+// that are not in use are 0.
+struct LeafCorners {
+  float at[3][3][BoxNode::kLanes];
 };
 
 // Returns a triangle of a mesh in the body's own frame.
@@ -52,6 +59,8 @@ class BoxTree {
   bool empty() const { return box_.empty(); }
   // Returns the nodes, the root first.
   const std::vector<BoxNode>& nodes() const { return nodes_; }
+  // Returns the corners of a leaf.
+  const LeafCorners& corners(const BoxNode& leaf) const { return corners_[leaf.leaf]; }
   // Returns the box of all triangles with finite vertices [m].
   const Aabb& box() const { return box_; }
 
@@ -66,9 +75,10 @@ class BoxTree {
   std::uint32_t split(Placed* first, Placed* last, const CycleLimit& limit);
   static void halve(Placed* first, Placed* last, std::size_t unit, const CycleLimit& limit);
   void fit(const Body& body);
-  void fitNode(const Body& body, BoxNode& node, Aabb& box) const;
+  void fitNode(const Body& body, BoxNode& node, Aabb& box);
 
   std::vector<BoxNode> nodes_;
+  std::vector<LeafCorners> corners_;
   std::vector<Aabb> boxes_;  // of the nodes
   Aabb box_;
   double ordered_size_ = 0, size_ = 0;  // of the leaves: when they were ordered, and now

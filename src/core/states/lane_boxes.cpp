@@ -54,38 +54,69 @@ using EightInts = int __attribute__((vector_size(4 * BoxNode::kLanes)));
 
 }  // namespace
 
-// Everything is computed in float. The errors are some 2^-24 of the terms, and the slack is 2^-19
-// of them, so twice the slack is enough for all of them. Any normal is right, as far as it is used
-// for all places alike.
-TriangleInFrame::TriangleInFrame(const FrameAxes<float>& axes, const Triangle& triangle,
-                                 float growth) {
-  Vec3f corner[3];
-  for (int i = 0; i < 3; ++i) {
-    const Vec3f& v = triangle.v[i];
-    const float* const m = axes.turn;
-    corner[i] = {m[0] * v.x + m[1] * v.y + m[2] * v.z + axes.offset[0],
-                 m[3] * v.x + m[4] * v.y + m[5] * v.z + axes.offset[1],
-                 m[6] * v.x + m[7] * v.y + m[8] * v.z + axes.offset[2]};
+// The errors are some 2^-24 of the terms, and the slack is 2^-19 of them, so twice the slack is
+// enough for all of them. Any normal is right, as far as it is used for all places alike.
+DCM_WIDE_CLONES std::uint32_t placeTriangles(const FrameAxes<float>& axes,
+                                             const LeafCorners& corners, float growth,
+                                             const CentredBox& box, TrianglesInFrame& placed,
+                                             float* gaps) {
+  const EightLanes none{};
+  EightLanes y[3][3];
+  for (int c = 0; c < 3; ++c) {
+    EightLanes v[3];
+    for (int k = 0; k < 3; ++k) load(corners.at[c][k], v[k]);
+    for (int k = 0; k < 3; ++k) {
+      const float* const m = axes.turn + 3 * k;
+      y[c][k] = m[0] * v[0] + m[1] * v[1] + m[2] * v[2] + axes.offset[k];
+    }
   }
-  Vec3f along = cross(corner[1] - corner[0], corner[2] - corner[0]);
-  // Otherwise products might overflow or vanish.
-  const float size = std::fabs(along.x) + std::fabs(along.y) + std::fabs(along.z);
-  if (!(size > 1e-20F && size < 1e18F)) along = Vec3f();
-  const float grown = growth * (1 + 1e-6F);
-  float reach = size > 0 ? grown * size : 0;
+  EightLanes p[3], q[3], normal[3], size{};
   for (int k = 0; k < 3; ++k) {
-    const float low_k = least(least(corner[0][k], corner[1][k]), corner[2][k]);
-    const float high_k = most(most(corner[0][k], corner[1][k]), corner[2][k]);
-    const float slack = 2 * axes.slack[k];
-    centre[k] = (low_k + high_k) * 0.5F;
-    half[k] = (high_k - low_k) * 0.5F + slack + grown;
-    normal[k] = along[k];
-    normal_size[k] = std::fabs(along[k]);
-    reach += normal_size[k] * slack;
+    p[k] = y[1][k] - y[0][k];
+    q[k] = y[2][k] - y[0][k];
   }
-  const float p = dot(along, corner[0]), q = dot(along, corner[1]), r = dot(along, corner[2]);
-  low = least(least(p, q), r) - reach;
-  high = most(most(p, q), r) + reach;
+  for (int k = 0; k < 3; ++k) {
+    const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
+    normal[k] = p[i] * q[j] - p[j] * q[i];
+    size += normal[k] < 0 ? -normal[k] : normal[k];
+  }
+  const EightInts is_usual =
+      (size > 1e-20F) & (size < 1e18F);  // products neither vanish nor overflow
+  const float grown = growth * (1 + 1e-6F);
+  EightLanes reach = is_usual ? grown * size : none, gap = none - INFINITY;
+  EightLanes low{}, high{}, at{}, of_box{};
+  for (int k = 0; k < 3; ++k) {
+    const EightLanes low_k = y[0][k] < y[1][k] ? y[0][k] : y[1][k];
+    const EightLanes high_k = y[0][k] > y[1][k] ? y[0][k] : y[1][k];
+    const EightLanes least_k = low_k < y[2][k] ? low_k : y[2][k];
+    const EightLanes most_k = high_k > y[2][k] ? high_k : y[2][k];
+    const float slack = 2 * axes.slack[k];
+    const EightLanes centre = (least_k + most_k) * 0.5F;
+    const EightLanes half = (most_k - least_k) * 0.5F + (slack + grown);
+    const EightLanes off = centre - box.centre[k];
+    const EightLanes more = (off < 0 ? -off : off) - (half + box.half[k]);
+    gap = more > gap ? more : gap;
+    normal[k] = is_usual ? normal[k] : none;
+    const EightLanes normal_size = normal[k] < 0 ? -normal[k] : normal[k];
+    reach += normal_size * slack;
+    at += normal[k] * box.centre[k];
+    of_box += normal_size * box.half[k];
+    std::memcpy(placed.centre[k], &centre, sizeof centre);
+    std::memcpy(placed.half[k], &half, sizeof half);
+    std::memcpy(placed.normal[k], &normal[k], sizeof normal[k]);
+  }
+  for (int c = 0; c < 3; ++c) {
+    const EightLanes place = normal[0] * y[c][0] + normal[1] * y[c][1] + normal[2] * y[c][2];
+    low = c == 0 ? place : (place < low ? place : low);
+    high = c == 0 ? place : (place > high ? place : high);
+  }
+  low -= reach;
+  high += reach;
+  std::memcpy(placed.low, &low, sizeof low);
+  std::memcpy(placed.high, &high, sizeof high);
+  std::memcpy(gaps, &gap, sizeof gap);
+  const EightLanes above = at - of_box - high, below = low - at - of_box;
+  return otherLanes((gap > 0) | (above > 0) | (below > 0));
 }
 
 DCM_WIDE_CLONES std::uint32_t lanesWithin(const TriangleInFrame& triangle, const BoxNode& node) {
@@ -98,7 +129,7 @@ DCM_WIDE_CLONES std::uint32_t lanesWithin(const TriangleInFrame& triangle, const
     const EightLanes more = (off < 0 ? -off : off) - (half + triangle.half[k]);
     gap = more > gap ? more : gap;
     along += triangle.normal[k] * centre;
-    reach += triangle.normal_size[k] * half;
+    reach += std::fabs(triangle.normal[k]) * half;
   }
   const EightLanes above = along - reach - triangle.high, below = triangle.low - along - reach;
   gap = above > gap ? above : gap;

@@ -22,12 +22,27 @@ std::uint32_t lanesWithin(const LaneAxes& axes, const CentredBox& single, const 
 struct TriangleInFrame {
   float centre[3], half[3];    // of its box, with the slack and the growth
   float normal[3], low, high;  // all places along some direction, with the same
-  float normal_size[3];
-
-  // `axes` are those of the other body, and `triangle` is in its own body's frame. Boxes of the
-  // other body that are more than `growth` apart from it shall not count.
-  TriangleInFrame(const FrameAxes<float>& axes, const Triangle& triangle, float growth);
 };
+
+// The same of the eight triangles of a leaf.
+struct TrianglesInFrame {
+  float centre[3][BoxNode::kLanes], half[3][BoxNode::kLanes], normal[3][BoxNode::kLanes];
+  float low[BoxNode::kLanes], high[BoxNode::kLanes];
+
+  TriangleInFrame at(int lane) const {
+    return {{centre[0][lane], centre[1][lane], centre[2][lane]},
+            {half[0][lane], half[1][lane], half[2][lane]},
+            {normal[0][lane], normal[1][lane], normal[2][lane]},
+            low[lane],
+            high[lane]};
+  }
+};
+
+// Places the triangles of a leaf, and returns the bits of those that are not certainly more than
+// `growth` apart from a box of the other body, whose axes these are. Fills in the largest gaps
+// between its box and theirs.
+std::uint32_t placeTriangles(const FrameAxes<float>& axes, const LeafCorners& corners, float growth,
+                             const CentredBox& box, TrianglesInFrame& placed, float* gaps);
 
 // Returns the bits of the lanes whose boxes may be within the growth.
 std::uint32_t lanesWithin(const TriangleInFrame& triangle, const BoxNode& node);

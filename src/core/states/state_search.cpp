@@ -30,6 +30,18 @@ bool isFiniteBox(const Aabb& box) { return isFinite(box.min) && isFinite(box.max
 
 float sizeOf(const CentredBox& box) { return most(most(box.half[0], box.half[1]), box.half[2]); }
 
+// Lists lanes, given by their bits, the least gap first. Returns how many they are.
+int lanesByGap(std::uint32_t bits, const float* gaps, int* lanes) {
+  int count = 0;
+  for (; bits != 0; bits &= bits - 1) {
+    const int lane = __builtin_ctz(bits);
+    int i = count++;
+    for (; i > 0 && gaps[lanes[i - 1]] > gaps[lane]; --i) lanes[i] = lanes[i - 1];
+    lanes[i] = lane;
+  }
+  return count;
+}
+
 }  // namespace
 
 void StateSearch::begin(const StateTask& task, const CycleLimit& limit) {
@@ -185,13 +197,19 @@ bool StateSearch::touches(std::uint32_t pair_index) {
     const bool of_a = sizeOf(node_a.box) > sizeOf(node_b.box);
     const BoxNode &split = of_a ? node_a : node_b, &other = of_a ? node_b : node_a;
     int order[BoxNode::kLanes];
-    const int count = lanesThatMeet(pair_index, of_a, split, other.box, order);
-    for (int i = 0; i < count; ++i) {
+    if (!split.is_leaf) {
       // The stack gives back last what it got first.
-      const std::uint32_t child = split.child[order[split.is_leaf ? i : count - 1 - i]];
-      if (!split.is_leaf) {
+      for (int i = lanesThatMeet(pair_index, of_a, split, other.box, order); i > 0; --i) {
+        const std::uint32_t child = split.child[order[i - 1]];
         stack_.push_back(of_a ? NodePair{child, nodes.b} : NodePair{nodes.a, child});
-      } else if (triangleTouches(pair_index, of_a, child, of_a ? nodes.b : nodes.a)) {
+      }
+      continue;
+    }
+    TrianglesInFrame triangles;
+    const int count = trianglesThatMeet(pair_index, of_a, split, other.box, &triangles, order);
+    for (int i = 0; i < count; ++i) {
+      if (triangleTouches(pair_index, of_a, split.child[order[i]], triangles.at(order[i]),
+                          of_a ? nodes.b : nodes.a)) {
         return true;
       }
     }
@@ -206,28 +224,30 @@ int StateSearch::lanesThatMeet(std::uint32_t pair_index, bool of_a, const BoxNod
   const FramePair<float>& frame = frames_[pair_index].pair;
   const LaneAxes axes = of_a ? LaneAxes{frame.of_b, frame.of_a} : LaneAxes{frame.of_a, frame.of_b};
   float gaps[BoxNode::kLanes];
-  int count = 0;
-  for (std::uint32_t bits = lanesWithin(axes, other, node, growth_m_, gaps) & node.used; bits != 0;
-       bits &= bits - 1) {
-    const int lane = __builtin_ctz(bits);
-    int i = count++;
-    for (; i > 0 && gaps[lanes[i - 1]] > gaps[lane]; --i) lanes[i] = lanes[i - 1];
-    lanes[i] = lane;
-  }
-  return count;
+  return lanesByGap(lanesWithin(axes, other, node, growth_m_, gaps) & node.used, gaps, lanes);
+}
+
+// Does the same with the triangles of a leaf, and tells where they are in the other body's frame.
+int StateSearch::trianglesThatMeet(std::uint32_t pair_index, bool of_a, const BoxNode& leaf,
+                                   const CentredBox& other, TrianglesInFrame* triangles,
+                                   int* lanes) const {
+  const StatePair& pair = task_->pairs[pair_index];
+  const FramePair<float>& frame = frames_[pair_index].pair;
+  float gaps[BoxNode::kLanes];
+  const std::uint32_t bits =
+      placeTriangles(of_a ? frame.of_b : frame.of_a, (of_a ? pair.a : pair.b)->corners(leaf),
+                     growth_m_, other, *triangles, gaps);
+  return lanesByGap(bits & leaf.used, gaps, lanes);
 }
 
 // Returns whether a triangle of a, or of b, touches one below a node of the other body.
 bool StateSearch::triangleTouches(std::uint32_t pair_index, bool of_a, std::uint32_t triangle,
-                                  std::uint32_t other_node) {
+                                  const TriangleInFrame& placed, std::uint32_t other_node) {
   const StatePair& pair = task_->pairs[pair_index];
-  const FramePair<float>& frame = frames_[pair_index].pair;
   const BodyId id = of_a ? pair.a_id : pair.b_id, other_id = of_a ? pair.b_id : pair.a_id;
   Triangle own;
   PlaneFilter plane;
   bool is_posed = false;
-  const TriangleInFrame placed(of_a ? frame.of_b : frame.of_a,
-                               receivedTriangle(task_->scene.body(id).mesh, triangle), growth_m_);
   const std::vector<BoxNode>& nodes = (of_a ? pair.b : pair.a)->nodes();
   below_.assign(1, other_node);
   while (!below_.empty()) {
@@ -261,10 +281,12 @@ bool StateSearch::trianglesTouch(float touch_m, const Triangle& a, const PlaneFi
     PairFacts facts;
     PredicateState state{Predicates::kExact};
     int sides = 0;
-    for (int i = 0; i < 3; ++i) sides += plane_a.side(b.v[i]);
-    if (sides != 3 && sides != -3 && isCandidate(a, b, facts) &&
-        candidateVerdict(a, b, facts, state).contact) {
-      return true;
+    for (int i = 0; i < 3; ++i) sides += facts.sides.b[i] = plane_a.side(b.v[i]);
+    if (sides != 3 && sides != -3) {
+      const PlaneFilter plane_b(b);
+      sides = 0;
+      for (int i = 0; i < 3; ++i) sides += facts.sides.a[i] = plane_b.side(a.v[i]);
+      if (sides != 3 && sides != -3 && candidateVerdict(a, b, facts, state).contact) return true;
     }
   }
   if (touch_m == 0 || arePlanesApart(a, b, certainlyBeyond(touch_m))) return false;
@@ -274,6 +296,13 @@ bool StateSearch::trianglesTouch(float touch_m, const Triangle& a, const PlaneFi
 // Searches all pairs of bodies at once, best first, because only the nearest of all is asked for.
 void StateSearch::findNearest() {
   heap_.clear();
+  // If bodies touch, only the first two that do matter, and only their triangles that touch. To
+  // know that takes little time.
+  has_points_ = true;
+  direction_ = Vec3d();
+  for (std::uint32_t i = 0; i < task_->pairs.size() && best_.pair == kNoPair; ++i) {
+    if (touches(i)) best_ = {0, i, {INFINITY, kNoPair, kNoPair}};
+  }
   for (std::uint32_t i = 0; i < task_->pairs.size(); ++i) {
     const StatePair& pair = task_->pairs[i];
     if (!mayBeWithin(pair, pair.radii.triangleDistanceM(pair.margin_m))) continue;

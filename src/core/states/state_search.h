@@ -15,6 +15,7 @@
 #include "core/rules/nearest.h"
 #include "core/state_checker.h"
 #include "core/states/box_tree.h"
+#include "core/states/lane_boxes.h"
 #include "core/states/posed_leaf.h"
 
 namespace deformable_contact_monitor {
@@ -94,8 +95,10 @@ class StateSearch {
   bool touches(std::uint32_t pair);
   int lanesThatMeet(std::uint32_t pair, bool of_a, const BoxNode& node, const CentredBox& other,
                     int* lanes) const;
+  int trianglesThatMeet(std::uint32_t pair, bool of_a, const BoxNode& leaf, const CentredBox& other,
+                        TrianglesInFrame* triangles, int* lanes) const;
   bool triangleTouches(std::uint32_t pair, bool of_a, std::uint32_t triangle,
-                       std::uint32_t other_node);
+                       const TriangleInFrame& placed, std::uint32_t other_node);
   static bool trianglesTouch(float touch_m, const Triangle& a, const PlaneFilter& plane_a,
                              const Triangle& b);
   void listTouching(std::uint32_t state, std::vector<TouchingBodies>* pairs);

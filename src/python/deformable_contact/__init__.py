@@ -1,13 +1,13 @@
 """Every contact between deforming triangle meshes, exact, on GPU or CPU.
 
-Scene holds bodies, Detector finds the contacts of its enabled pairs, Result lists them; read_mesh
-reads a file. deformable_contact.messages turns this package's ROS messages into numpy arrays and
+Scene holds bodies, Detector finds the contacts of its enabled pairs, Result lists them; StateChecker
+tells what would touch if bodies stood elsewhere; read_mesh reads a file. deformable_contact.messages turns this package's ROS messages into numpy arrays and
 back. What a contact is: the README of deformable_contact_monitor.
 """
 import importlib
 
-__all__ = ["BodyDistance", "Detector", "NearestPair", "Result", "Scene", "__version__",
-           "read_mesh"]
+__all__ = ["BodyDistance", "Detector", "NearestPair", "Result", "Scene", "StateChecker",
+           "StateResults", "__version__", "read_mesh"]
 
 
 def __getattr__(name):

@@ -1,9 +1,9 @@
 // measure_trade: measures the speed-accuracy trade-off of the detector's settings on a scene.
 //
-// There are four measurements, one for each run function: the grid of settings (run), what instant
-// motion loses (runSwept), tolerances with time budgets (runBounds), and margins (runMargins). Each
-// opens its output files before it measures, so that nothing is lost at its end, and then writes
-// the tables, draws plots and prints the choice.
+// There are five measurements, one for each run function: the grid of settings (run), what instant
+// motion loses (runSwept), tolerances with time budgets (runBounds), margins (runMargins), and
+// states of a robot (runStates). Each opens its output files before it measures, so that nothing is
+// lost at its end, and then writes the tables, draws plots and prints the choice.
 #include <cstdio>
 #include <functional>
 #include <memory>
@@ -24,6 +24,8 @@
 #include "tools/measure_trade/margin_measurement.h"
 #include "tools/measure_trade/motion_measurement.h"
 #include "tools/measure_trade/motion_report.h"
+#include "tools/measure_trade/robot_states.h"
+#include "tools/measure_trade/state_measurement.h"
 #include "tools/measure_trade/trade_arguments.h"
 #include "tools/measure_trade/trade_measurement.h"
 #include "tools/measure_trade/trade_report.h"
@@ -220,9 +222,8 @@ std::vector<BoundMeasurement> measureAllBounds(const TradeArguments& arguments, 
   const std::vector<BoundSetting> settings = boundSettings(arguments);
   for (const BoundSetting& setting : settings)
     makeBackend(setting.backend);  // fails now if missing
-  const TouchingPairs truth =
-      touchingBodies(frames, makeBackend("cpu").get(), arguments.base,
-                     [&](const std::string& what) { progress->set(what); });
+  const TouchingPairs truth = touchingBodies(frames, makeBackend("cpu").get(), arguments.base,
+                                             [&](const std::string& what) { progress->set(what); });
   return measureEach<BoundMeasurement>(
       arguments, settings, truth.size(), progress,
       [&](BoundMeasurement* m, const CycleCounts& cycles) {
@@ -298,6 +299,33 @@ int runMargins(const TradeArguments& arguments) {
   return code;
 }
 
+// Measures states of a robot. Returns the exit code.
+int runStates(const TradeArguments& arguments) {
+  std::vector<StateMeasurement> all;
+  {
+    Progress progress("reading the robot");
+    const SceneStates states = makeRobotStates(
+        {arguments.urdf, arguments.meshes.states.front(), arguments.states_margin_m},
+        static_cast<std::size_t>(arguments.states), 1);
+    makeFolder(arguments.out_folder);
+    OutputFile table = outputOf(arguments, "states.csv");
+    OutputFile summary = outputOf(arguments, "summary.json");
+    const std::vector<bool> touches = exactTouches(states);
+    for (StateWay& way : stateWays(arguments.grid.backends, arguments.base.threads)) {
+      for (const std::size_t batch : batchSizes(way, states.count())) {
+        progress.set("measuring " + way.name + ", batches of " + std::to_string(batch));
+        all.push_back(measureStates(states, touches, batch, arguments.repeats, &way));
+      }
+    }
+    progress.set("writing");
+    table.write(statesCsv(all));
+    summary.write(statesJson(arguments.command, states, touches, all));
+    drawPlots(arguments, "plot_states.py", &progress);
+  }
+  OutputFile("-").write(statesText(all));
+  return 0;
+}
+
 // Measures the grid of settings. Returns the exit code.
 int run(const TradeArguments& arguments) {
   TradeResults results;
@@ -334,6 +362,7 @@ int main(int argc, char** argv) {
     if (!dcm::parseArguments(argc, argv, &arguments)) return 0;
     if (arguments.bounds) return dcm::runBounds(arguments);
     if (arguments.margins) return dcm::runMargins(arguments);
+    if (arguments.states > 0) return dcm::runStates(arguments);
     return arguments.swept ? dcm::runSwept(arguments) : dcm::run(arguments);
   });
 }

@@ -1,9 +1,14 @@
 #include "tools/measure_trade/state_measurement.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
 
+#include "cuda/detector_choice.h"
 #include "tools/common/formatted.h"
+#include "tools/common/reports.h"
 #include "tools/common/sample_statistics.h"
+#include "tools/measure_trade/state_rivals.h"
 #include "tools/measure_trade/trade_grid.h"
 
 namespace deformable_contact_monitor {
@@ -56,6 +61,32 @@ std::vector<bool> exactTouches(const SceneStates& states) {
   return touches;
 }
 
+std::vector<StateWay> stateWays(const std::vector<std::string>& backends, int threads) {
+  std::vector<StateWay> ways;
+  for (const std::string& backend : backends) {
+    for (const bool nearest : {false, true}) {
+      ways.push_back({backend, makeStateChecker(toBackendChoice(backend)), nearest, threads});
+    }
+  }
+  if (auto fcl = makeFclStateChecker()) ways.push_back({"fcl", std::move(fcl), false, 1});
+  for (const std::size_t spheres : {4, 8, 16}) {
+    for (const SphereSize size : {SphereSize::kCovering, SphereSize::kMean}) {
+      auto checker = makeSphereStateChecker(spheres, size);
+      const std::string name = checker->backend() + "_" + std::to_string(spheres);
+      ways.push_back({name, std::move(checker), false, 1});
+    }
+  }
+  return ways;
+}
+
+std::vector<std::size_t> batchSizes(const StateWay& way, std::size_t states) {
+  std::vector<std::size_t> sizes;
+  const bool is_ours = way.name == "cpu" || way.name == "cuda";
+  for (std::size_t size = 1; is_ours && size < states; size *= 10) sizes.push_back(size);
+  sizes.push_back(states);
+  return sizes;
+}
+
 std::string statesCsv(const std::vector<StateMeasurement>& all) {
   std::string text =
       "way,question,threads,batch,median_us,p95_us,states,false_free,false_blocked\n";
@@ -67,6 +98,31 @@ std::string statesCsv(const std::vector<StateMeasurement>& all) {
             numberText(share(m.false_blocked, m.states)) + "\n";
   }
   return text;
+}
+
+std::string statesJson(const std::string& command, const SceneStates& states,
+                       const std::vector<bool>& touches, const std::vector<StateMeasurement>& all) {
+  nlohmann::json json = {
+      {"version", DCM_VERSION}, {"command", command}, {"machine", machineJson()}};
+  json["bodies"] = nlohmann::json::array();
+  for (const Body& body : states.scene.bodies()) {
+    json["bodies"].push_back({{"name", body.name}, {"triangles", body.mesh.triangleCount()}});
+  }
+  json["states"] = states.count();
+  json["touching"] = std::count(touches.begin(), touches.end(), true);
+  json["margin_m"] = states.scene.body(0).margin_m;
+  json["ways"] = nlohmann::json::array();
+  for (const StateMeasurement& m : all) {
+    json["ways"].push_back({{"way", m.way},
+                            {"question", m.nearest ? "nearest" : "touch"},
+                            {"threads", m.threads},
+                            {"batch", m.batch},
+                            {"median_us", median(m.us)},
+                            {"p95_us", percentile(m.us, 0.95)},
+                            {"false_free", share(m.false_free, m.states)},
+                            {"false_blocked", share(m.false_blocked, m.states)}});
+  }
+  return jsonText(json);
 }
 
 std::string statesText(const std::vector<StateMeasurement>& all) {

@@ -53,8 +53,18 @@ StateMeasurement measureStates(const SceneStates& states, const std::vector<bool
 // Returns whether each state touches, exactly.
 std::vector<bool> exactTouches(const SceneStates& states);
 
+// Returns all ways that are compared: our backends with both questions, FCL where it is there, and
+// spheres. Throws std::runtime_error if a backend cannot be used.
+std::vector<StateWay> stateWays(const std::vector<std::string>& backends, int threads);
+
+// Returns the sizes of batches that are measured of so many states: 1, 10, 100, ...
+std::vector<std::size_t> batchSizes(const StateWay& way, std::size_t states);
+
 // Returns a table (CSV) of measurements, a row for each.
 std::string statesCsv(const std::vector<StateMeasurement>& all);
+// Returns the same with the command, the machine and the scene (JSON).
+std::string statesJson(const std::string& command, const SceneStates& states,
+                       const std::vector<bool>& touches, const std::vector<StateMeasurement>& all);
 // Returns the same as a text for people.
 std::string statesText(const std::vector<StateMeasurement>& all);
 

@@ -157,6 +157,29 @@ void addMargins(CommandLine* line, TradeArguments* arguments) {
   }
 }
 
+// Adds the options of --states.
+void addStates(CommandLine* line, TradeArguments* arguments) {
+  line->add(
+      "--states", &arguments->states,
+      "Measure instead what a state of the robot of --urdf beside the mesh STATE costs, by the "
+      "number of states that are asked at once, beside FCL and spheres: so many random ones; "
+      "writes states.csv, summary.json and a plot; 0: measure the grid",
+      inRange(0, 1000000));
+  line->add("--urdf", &arguments->urdf,
+            "With --states: the robot; its root link is the frame of the mesh");
+  line->add("--states-margin-m", &arguments->states_margin_m,
+            "With --states: nearest pairs are searched within this distance [m]",
+            inRange(0.F, 10.F));
+  for (const char* option : {"--urdf", "--states-margin-m"}) line->requireFor(option, "--states");
+  line->requireFor("--states", "--urdf");
+  for (const char* option :
+       {"--swept", "--tolerance", "--margins", "--overlaps", "--predicates", "--clusters",
+        "--fuzzifiers", "--iterations", "--refresh-periods", "--cycles", "--warm-up", "--budget-ms",
+        "--write-config", "--bag", "--against", "--self"}) {
+    line->refuseTogether("--states", option);
+  }
+}
+
 // Converts names that the option's rule has checked.
 std::vector<Predicates> predicatesFrom(const std::vector<std::string>& names) {
   std::vector<Predicates> all;
@@ -170,7 +193,10 @@ void check(const TradeArguments& arguments) {
   const MeshFrameFiles& meshes = arguments.meshes;
   if (arguments.recorded.bags.empty()) {
     if (meshes.states.empty()) refuseUsage("STATE: a mesh file, or --bag, is required");
-    if (meshes.against.empty() && !meshes.self) {
+    if (arguments.states > 0 && meshes.states.size() != 1) {
+      refuseUsage("STATE: --states takes one mesh file");
+    }
+    if (meshes.against.empty() && !meshes.self && arguments.states == 0) {
       refuseUsage("there is nothing to test: no --against and no --self");
     }
   }
@@ -203,6 +229,7 @@ bool parseArguments(int argc, char** argv, TradeArguments* arguments) {
   addSwept(&line, arguments);
   addBounds(&line, arguments);
   addMargins(&line, arguments);
+  addStates(&line, arguments);
   if (!line.parse(argc, argv)) return false;
   grid.predicates = predicatesFrom(predicates);
   for (int i = 0; i < argc; ++i) {

@@ -1,7 +1,7 @@
 // The command line of measure_trade.
 //
-// Four measurements share the command line: the grid, --swept, --tolerance and --margins. Options
-// that belong to another measurement are errors.
+// Five measurements share the command line: the grid, --swept, --tolerance, --margins and --states.
+// Options that belong to another measurement are errors.
 #pragma once
 
 #include <optional>
@@ -37,6 +37,9 @@ struct TradeArguments {
   std::vector<double> budgets_ms = {0, 5, 20};  // 0: none
   bool margins = false;                         // measure what margins cost instead of the grid
   std::vector<float> margins_m = {0.02F, 0.1F};
+  int states = 0;  // measure so many states of the robot instead of the grid; 0: measure the grid
+  std::string urdf;
+  float states_margin_m = 0.1F;
   std::string command;  // the whole command, to be typed again
 };
 

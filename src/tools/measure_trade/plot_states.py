@@ -1,0 +1,74 @@
+#!/usr/bin/python3
+"""Draws what measure_trade --states measured, all scenes in one picture, states.png.
+
+A column a scene; above, the time of a state against the number of states that are asked at once;
+below, which share of the states other ways call free though they touch, or blocked though they do
+not.
+"""
+import csv
+import sys
+
+sys.dont_write_bytecode = True  # beside programs there is no place for it
+# pylint: disable=wrong-import-position
+from plot_trade import BACKENDS, STYLES, draw, legend, log_axis, panels
+
+
+class Scene:
+    """One folder that measure_trade --states wrote."""
+
+    def __init__(self, folder):
+        self.name = folder.resolve().name
+        with open(folder / "states.csv", newline="", encoding="utf-8") as file:
+            self.rows = list(csv.DictReader(file))
+        if not self.rows:
+            raise ValueError(f"{folder / 'states.csv'}: has no row")
+        self.others = [row for row in self.rows if row["way"] not in BACKENDS]
+
+    def line(self, backend, question):
+        rows = [row for row in self.rows if (row["way"], row["question"]) == (backend, question)]
+        return [float(row["batch"]) for row in rows], [float(row["median_us"]) for row in rows]
+
+
+def plot_times(axis, scene):
+    for backend, color in BACKENDS.items():
+        for question, fill in (("touch", "full"), ("nearest", "none")):
+            batch, time = scene.line(backend, question)
+            if batch:
+                axis.plot(batch, time, STYLES[backend], color=color, fillstyle=fill, markersize=5,
+                          label=f"{backend}, {question}")
+    for row in scene.others:
+        if row["way"] == "fcl":
+            axis.axhline(float(row["median_us"]), color="black", linestyle="--", label="fcl, touch")
+    axis.set_xscale("log")
+    axis.set_yscale("log")
+    log_axis(axis.yaxis)
+    axis.set_title(scene.name, fontsize=10)
+    axis.set_xlabel("states at once", fontsize=9)
+
+
+def plot_errors(axis, scene):
+    names = [row["way"].replace("spheres_", "").replace("_", "\n") for row in scene.others]
+    for place, (key, color, label) in enumerate((("false_free", "#d55e00", "touch, called free"),
+                                                 ("false_blocked", "#56b4e9",
+                                                  "free, called touching"))):
+        shares = [100 * float(row[key]) for row in scene.others]
+        at = [i + 0.4 * place - 0.2 for i in range(len(names))]
+        axis.bar(at, shares, width=0.4, color=color, label=label)
+    axis.set_xticks(range(len(names)))
+    axis.set_xticklabels(names, fontsize=7)
+    axis.grid(visible=False, axis="x")
+
+
+def plot_states(scenes):
+    figure, axes = panels(2, len(scenes))
+    for column, scene in enumerate(scenes):
+        plot_times(axes[0, column], scene)
+        plot_errors(axes[1, column], scene)
+    axes[0, 0].set_ylabel("time of a state [us]", fontsize=9)
+    axes[1, 0].set_ylabel("states [%]", fontsize=9)
+    legend(figure, axes)
+    return figure
+
+
+if __name__ == "__main__":
+    draw(__doc__, "measure_trade --states", Scene, {"states": plot_states})

@@ -1,0 +1,156 @@
+#!/usr/bin/env python3
+"""StateChecker: states by hand, against detections of their own, and a planned path."""
+import importlib.util
+import os
+import pathlib
+import unittest
+
+import mesh_scenes
+import numpy
+from deformable_contact import Detector, Scene, StateChecker
+
+EXAMPLES = pathlib.Path(os.environ["DCM_SOURCE_DIR"]) / "src/python/examples"
+FLOOR = [[0, 0, 0], [8, 0, 0], [0, 8, 0]]
+TRIANGLE = [[0, 1, 2]]
+
+
+def at(x, y, z):
+    pose = numpy.eye(4)
+    pose[:3, 3] = x, y, z
+    return pose
+
+
+def as_matrix(rotation, translation):
+    pose = numpy.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation, translation
+    return pose
+
+
+class States(unittest.TestCase):
+
+    def setUp(self):
+        self.scene = Scene()
+        self.floor = self.scene.add_body("floor", FLOOR, TRIANGLE)
+        self.one = self.scene.add_body("one", [[1, 2, 0], [1, 3, 2], [2, 2, 2]], TRIANGLE)
+        self.two = self.scene.add_body("two", [[2, 2, 0], [2, 3, 2], [3, 2, 2]], TRIANGLE)
+        for body in self.one, self.two:
+            self.scene.set_pair_enabled(self.floor, body)
+        self.checker = StateChecker("cpu")
+
+    def test_states_by_hand(self):
+        self.scene.set_margin(self.floor, 1)
+        poses = [[at(0, 0, .25), at(0, 0, 5)], [at(0, 0, 0), at(0, 0, -1)], [at(0, 0, 5)] * 2]
+        states = self.checker.check(self.scene, [self.one, self.two], poses, pairs=True,
+                                    nearest=True)
+        self.assertEqual(len(states), 3)
+        self.assertEqual(states.touches.tolist(), [False, True, False])
+        self.assertEqual(states.free.tolist(), [True, False, True])
+        self.assertFalse(states.unknown.any())
+        self.assertEqual(states.distances.tolist(), [.25, 0, numpy.inf])
+        self.assertEqual(states.distances.dtype, numpy.float32)
+        self.assertEqual(states.nearest_pairs.tolist(),
+                         [[self.floor, 0, self.one, 0], [self.floor, 0, self.one, 0], [0] * 4])
+        self.assertEqual(states.points[0].tolist(), [[1, 2, 0], [1, 2, .25]])
+        self.assertEqual(states.normals.tolist(), [[0, 0, 1], [0, 0, 0], [0, 0, 0]])
+        self.assertEqual(states.pairs.tolist(),
+                         [[1, self.floor, self.one], [1, self.floor, self.two]])
+        self.assertEqual((states.cut_off, states.cut_off_because, states.backend),
+                         (False, "", "cpu"))
+        self.assertGreater(states.check_ms, 0)
+
+    def test_what_was_not_asked_for_is_none(self):
+        states = self.checker.check(self.scene, [self.one], [[at(0, 0, 5)]])
+        self.assertEqual(states.free.tolist(), [True])
+        for value in (states.distances, states.nearest_pairs, states.points, states.normals,
+                      states.pairs):
+            self.assertIsNone(value)
+
+    def test_unknown_is_never_free(self):
+        poses = numpy.tile(at(0, 0, 5), (4, 1, 1, 1))
+        poses[1, 0, 0, 3] = numpy.nan
+        poses[2] = numpy.nan
+        poses[3, 0, 2, 2] = 1e39
+        states = self.checker.check(self.scene, [self.one], poses, nearest=True)
+        self.assertEqual(states.unknown.tolist(), [False, True, True, True])
+        self.assertEqual(states.free.tolist(), [True, False, False, False])
+        self.assertTrue(numpy.isnan(states.distances[1:]).all())
+        states = self.checker.check(self.scene, [self.one], poses, max_time_s=0)
+        self.assertEqual((states.cut_off, states.cut_off_because), (True, "no time"))
+        self.assertTrue(states.unknown.all() and not states.free.any())
+        vertices = numpy.array(FLOOR, numpy.float32)
+        vertices[0] = numpy.nan
+        self.scene.set_vertices(self.floor, vertices)
+        states = self.checker.check(self.scene, [self.one], poses[:1])
+        self.assertEqual(states.rejected_parts, {(self.floor, 0): 1})
+
+    def test_states_equal_detections(self):
+        rng = numpy.random.default_rng(5)
+        scene, meshes = Scene(), [mesh_scenes.soup(rng, 40) for _ in range(3)]
+        for number, (vertices, triangles) in enumerate(meshes):
+            scene.add_body(str(number), vertices, triangles)
+            scene.set_margin(number, .3)
+        scene.set_pair_enabled(0, 1)
+        scene.set_pair_enabled(0, 2)
+        poses = [[mesh_scenes.random_pose(rng) for _ in range(2)] for _ in range(60)]
+        for state in poses:
+            for _, translation in state:
+                translation *= 5
+        states = self.checker.check(
+            scene, [2, 1], [[as_matrix(*pose) for pose in state] for state in poses], nearest=True)
+        detector = Detector("cpu", nearest=True)
+        for number, state in enumerate(poses):
+            for body, pose in zip((2, 1), state):
+                scene.set_pose(body, *pose)
+            result = detector.detect(scene)
+            self.assertEqual(states.touches[number], len(result.pairs) > 0)
+            distances = [pair.distance_m for pair in result.nearest]
+            self.assertEqual(states.distances[number], min(distances, default=numpy.inf))
+        self.assertTrue(0 < states.touches.sum() < 60)
+        self.assertGreater(numpy.isinf(states.distances).sum(), 0)
+
+    def test_arrays_outlive_the_checker(self):
+        states = StateChecker("cpu").check(self.scene, [self.one], [[at(0, 0, 5)]], nearest=True)
+        self.scene = None
+        self.assertEqual(states.free.tolist(), [True])
+        self.assertEqual(states.distances.tolist(), [numpy.inf])
+
+    def test_wrong_arguments_are_refused(self):
+        good = [[at(0, 0, 5)]]
+        transposed = numpy.swapaxes(good, 2, 3)
+        for bodies, poses, why in (([], [], "bodies has none"), ([7], good, "body 7 does not exist"),
+                                   ([-1], good, "body -1 does not exist"),
+                                   ([1, 1], [good[0] * 2], "one: named twice"),
+                                   ([1, 2], good, r"shape \(n, 2, 4, 4\), but have \(1, 1, 4, 4\)"),
+                                   ([1], good[0], r"but have \(1, 4, 4\)"),
+                                   ([1], [["a"]], "real numbers"),
+                                   ([1], transposed, "state 0: the last row of pose 0 is not")):
+            with self.assertRaisesRegex(ValueError, why):
+                self.checker.check(self.scene, bodies, poses)
+        with self.assertRaisesRegex(ValueError, "max_time_s"):
+            self.checker.check(self.scene, [1], good, max_time_s=-1)
+        with self.assertRaisesRegex(ValueError, "threads"):
+            StateChecker("cpu", threads=-1)
+        with self.assertRaisesRegex(ValueError, "'opencl'"):
+            StateChecker("opencl")
+        self.checker.reset()
+        self.assertTrue(self.checker.check(self.scene, [1], good).free.all())
+        self.assertEqual(len(self.checker.check(self.scene, [1], numpy.zeros((0, 1, 4, 4)))), 0)
+
+
+class Example(unittest.TestCase):
+
+    def test_the_path_is_free(self):
+        spec = importlib.util.spec_from_file_location("plan_path", EXAMPLES / "plan_path.py")
+        example = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(example)
+        scene, arm, path = example.main([])
+        self.assertGreater(len(path), 2)  # the straight one is blocked
+        joints = numpy.concatenate([numpy.linspace(a, b, 400) for a, b in zip(path, path[1:])])
+        self.assertTrue(StateChecker("cpu").check(scene, arm.bodies, arm.poses(joints)).free.all())
+        straight = numpy.linspace(path[0], path[-1], 400)
+        self.assertTrue(
+            StateChecker("cpu").check(scene, arm.bodies, arm.poses(straight)).touches.any())
+
+
+if __name__ == "__main__":
+    unittest.main()
