@@ -292,7 +292,8 @@ TEST_F(StateQuestionsTest, RulesPartsAndHoldsAreThoseInForce) {
 
 TEST_F(StateQuestionsTest, AMarginOfTheQuestionDoesNotStay) {
   parameters_.objects[0].parts[0].margin_m = 0.5F;
-  const double away = 1.2;
+  // So far away only the margin of the part has the sheet.
+  const double away = 1.05;
   const StatesChecked before = ask({away}, {"turn"}, -1);
   EXPECT_EQ(states(before), "n");
   EXPECT_EQ(states(ask({away}, {"turn"}, 0.01F)), "-");
