@@ -216,6 +216,9 @@ TEST(RobotKinematics, JointsOfSeveralRobotsHaveTheirPrefix) {
   EXPECT_EQ(motion.presentLinks().front(), "right/base");
   for (const std::string& link : motion.movedLinks()) EXPECT_EQ(link.substr(0, 6), "right/");
   EXPECT_EQ(std::count(motion.movedLinks().begin(), motion.movedLinks().end(), "right/second"), 1);
+  EXPECT_EQ(
+      std::count(motion.presentLinks().begin(), motion.presentLinks().end(), "right/follower"), 0)
+      << "it mimics the shoulder of the same robot";
   EXPECT_EQ(refusal([&] { JointMotion(robots.joints, {"shoulder"}); }).substr(0, 33),
             "the robot has no joint 'shoulder'");
 }

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace deformable_contact_monitor {
@@ -228,6 +229,39 @@ TEST_F(LoopRequestsTest, WithoutAnythingNewTheWaitLasts) {
   const Clock::time_point then = Clock::now() + std::chrono::milliseconds(30);
   EXPECT_TRUE(requests_.wait(then));
   EXPECT_GE(Clock::now(), then);
+}
+
+TEST_F(LoopRequestsTest, WhatIsInForceStaysAfterItWasTaken) {
+  const InForce first = requests_.inForce();
+  EXPECT_TRUE(first.enabled);
+  EXPECT_FALSE(first.live);
+  EXPECT_EQ(first.allowed_contacts->count(), 1U);
+  EXPECT_TRUE(first.attached->empty());
+  std::uint64_t revision = first.revision;
+  const auto changed = [&] { return std::exchange(revision, requests_.inForce().revision); };
+  requests_.changeAllowedContacts({false, {}, {rule("arm", "cloth")}});
+  EXPECT_LT(changed(), revision);
+  requests_.attach("cloth", {"hand"}, std::make_shared<const HeldPart>());
+  requests_.attach("cable", {"finger"});
+  EXPECT_LT(changed(), revision);
+  LiveParameters live;
+  live.margin_m = 0.5;
+  requests_.change(live);
+  EXPECT_LT(changed(), revision);
+  requests_.take();
+  EXPECT_EQ(changed(), revision);
+  const InForce now = requests_.inForce();
+  EXPECT_TRUE(now.allowed_contacts->allows("arm", "cloth"));
+  EXPECT_EQ(now.attached->size(), 2U);
+  EXPECT_EQ(now.live->margin_m, 0.5);
+  requests_.endHolds({{"cloth", now.attached->at("cloth")}});
+  EXPECT_EQ(requests_.inForce().attached->count("cloth"), 0U);
+  EXPECT_LT(changed(), revision);
+  requests_.releaseFromOthers({"hand"});
+  EXPECT_TRUE(requests_.inForce().attached->empty());
+  EXPECT_LT(changed(), revision);
+  requests_.setEnabled(false);
+  EXPECT_FALSE(requests_.inForce().enabled);
 }
 
 TEST_F(LoopRequestsTest, EverythingThatIsAskedForWakes) {

@@ -8,8 +8,10 @@
 #include <algorithm>
 #include <boost/make_shared.hpp>
 #include <cmath>
+#include <future>
 #include <limits>
 #include <map>
+#include <memory>
 #include <random>
 #include <string>
 #include <utility>
@@ -290,7 +292,8 @@ TEST_F(StateQuestionsTest, RulesPartsAndHoldsAreThoseInForce) {
 
 TEST_F(StateQuestionsTest, AMarginOfTheQuestionDoesNotStay) {
   parameters_.objects[0].parts[0].margin_m = 0.5F;
-  const double away = 1.2;
+  // So far away only the margin of the part has the sheet.
+  const double away = 1.05;
   const StatesChecked before = ask({away}, {"turn"}, -1);
   EXPECT_EQ(states(before), "n");
   EXPECT_EQ(states(ask({away}, {"turn"}, 0.01F)), "-");
@@ -365,6 +368,49 @@ TEST_F(StateQuestionsTest, WhatCannotBeAnsweredIsRefused) {
   EXPECT_EQ(why(), "the monitor is disabled (~set_enabled)");
   requests_.setEnabled(true);
   EXPECT_TRUE(ask({kFree}).success);
+}
+
+// Begins a check and ends it when it is told to.
+struct SlowChecker : StateChecker {
+  std::string backend() const override { return "slow"; }
+  const StateResults& check(const Scene& /*scene*/, const StateBatch& batch,
+                            const StateOptions& /*options*/) override {
+    begun.set_value();
+    go_on.get_future().wait();
+    results.states.resize(batch.count);
+    return results;
+  }
+  void reset() override {}
+
+  std::promise<void> begun, go_on;
+  StateResults results;
+};
+
+// What a cycle does with the shared objects, and what services do, waits for no question. If it
+// did, this test would not end.
+TEST_F(StateQuestionsTest, NobodyWaitsForAQuestion) {
+  auto owned = std::make_unique<SlowChecker>();
+  SlowChecker& checker = *owned;
+  StateQuestions slow(
+      parameters_,
+      {requests_, meshes(), transforms_, [this] { return robot_; }, [] { return ros::Time(100); }},
+      std::move(owned));
+  StatesToCheck question;
+  question.joint_names = {"turn"};
+  question.positions = {kFree};
+  auto answer = std::async(std::launch::async, [&] { return slow.answer(question); });
+  checker.begun.get_future().wait();
+  now_ += ros::Duration(0.125);
+  give();
+  put("arm", "base", 1);
+  requests_.attach("cloth", {"hand"});
+  requests_.changeAllowedContacts({true, {}, {}});
+  requests_.change(startValues(parameters_));
+  requests_.setEnabled(true);
+  EXPECT_TRUE(requests_.take().attached);
+  EXPECT_TRUE(meshes()[0].has(now_));
+  checker.go_on.set_value();
+  EXPECT_TRUE(answer.get().success);
 }
 
 TEST_F(StateQuestionsTest, ARequestToStopEndsIt) {
