@@ -18,7 +18,7 @@ using EightInts = int __attribute__((vector_size(4 * BoxNode::kLanes)));
 }
 
 // Computes the gaps along axis k of the single box's body.
-[[gnu::always_inline]] inline void gapsAlongSingle(const FrameAxes<float>& axes, int k,
+[[gnu::always_inline]] inline void gapsAlongSingle(const FrameAxes& axes, int k,
                                                    const CentredBox& single,
                                                    const EightLanes* centre, const EightLanes* half,
                                                    EightLanes& gap) {
@@ -32,7 +32,7 @@ using EightInts = int __attribute__((vector_size(4 * BoxNode::kLanes)));
 }
 
 // Computes the gaps along axis k of the node's body.
-[[gnu::always_inline]] inline void gapsAlongNode(const FrameAxes<float>& axes, int k,
+[[gnu::always_inline]] inline void gapsAlongNode(const FrameAxes& axes, int k,
                                                  const CentredBox& single, const EightLanes* centre,
                                                  const EightLanes* half, EightLanes& gap) {
   const float* const m = axes.turn + 3 * k;
@@ -56,10 +56,9 @@ using EightInts = int __attribute__((vector_size(4 * BoxNode::kLanes)));
 
 // The errors are some 2^-24 of the terms, and the slack is 2^-19 of them, so twice the slack is
 // enough for all of them. Any normal is right, as far as it is used for all places alike.
-DCM_WIDE_CLONES std::uint32_t placeTriangles(const FrameAxes<float>& axes,
-                                             const LeafCorners& corners, float growth,
-                                             const CentredBox& box, TrianglesInFrame& placed,
-                                             float* gaps) {
+DCM_WIDE_CLONES std::uint32_t placeTriangles(const FrameAxes& axes, const LeafCorners& corners,
+                                             float growth, const CentredBox& box,
+                                             TrianglesInFrame& placed, float* gaps) {
   const EightLanes none{};
   EightLanes y[3][3];
   for (int c = 0; c < 3; ++c) {

@@ -19,7 +19,7 @@ constexpr std::uint32_t kNoPair = ~std::uint32_t{0};
 
 // Returns the least number that is not below a distance of float axes for which boxes along one
 // axis are certainly farther apart than touch_m [m].
-float growthOf(const FramePair<float>& frame, float touch_m) {
+float growthOf(const FramePair& frame, float touch_m) {
   if (touch_m == 0) return 0;
   const double scale = std::sqrt(std::min(frame.of_a.scale2, frame.of_b.scale2));
   return static_cast<float>(certainlyBeyond(touch_m) / scale * (1 + 1e-6));
@@ -132,12 +132,12 @@ bool StateSearch::mayBeWithin(const StatePair& pair, float distance_m) const {
 }
 
 // Returns how the boxes of a pair are compared in this state.
-const FramePair<float>& StateSearch::frameOf(std::uint32_t pair_index) {
+const FramePair& StateSearch::frameOf(std::uint32_t pair_index) {
   Frame& frame = frames_[pair_index];
   if (frame.state == state_) return frame.pair;
   const StatePair& pair = task_->pairs[pair_index];
-  frame.pair = FramePair<float>::of(*poses_[pair.a_id], pair.a->nodes()[0].box, *poses_[pair.b_id],
-                                    pair.b->nodes()[0].box);
+  frame.pair = FramePair::of(*poses_[pair.a_id], pair.a->nodes()[0].box, *poses_[pair.b_id],
+                             pair.b->nodes()[0].box);
   frame.state = state_;
   return frame.pair;
 }
@@ -221,7 +221,7 @@ bool StateSearch::touches(std::uint32_t pair_index) {
 // that overlap most first. Returns how many they are.
 int StateSearch::lanesThatMeet(std::uint32_t pair_index, bool of_a, const BoxNode& node,
                                const CentredBox& other, int* lanes) const {
-  const FramePair<float>& frame = frames_[pair_index].pair;
+  const FramePair& frame = frames_[pair_index].pair;
   const LaneAxes axes = of_a ? LaneAxes{frame.of_b, frame.of_a} : LaneAxes{frame.of_a, frame.of_b};
   float gaps[BoxNode::kLanes];
   return lanesByGap(lanesWithin(axes, other, node, growth_m_, gaps) & node.used, gaps, lanes);
@@ -232,7 +232,7 @@ int StateSearch::trianglesThatMeet(std::uint32_t pair_index, bool of_a, const Bo
                                    const CentredBox& other, TrianglesInFrame* triangles,
                                    int* lanes) const {
   const StatePair& pair = task_->pairs[pair_index];
-  const FramePair<float>& frame = frames_[pair_index].pair;
+  const FramePair& frame = frames_[pair_index].pair;
   float gaps[BoxNode::kLanes];
   const std::uint32_t bits =
       placeTriangles(of_a ? frame.of_b : frame.of_a, (of_a ? pair.a : pair.b)->corners(leaf),
@@ -354,7 +354,7 @@ void StateSearch::push(const Doubt& doubt) {
 void StateSearch::refine(const Doubt& doubt) {
   if (!mayPrecede(doubt.pair, doubt.low_m, doubt.first_a, doubt.first_b)) return;
   const StatePair& pair = task_->pairs[doubt.pair];
-  const FramePair<float>& frame = frames_[doubt.pair].pair;
+  const FramePair& frame = frames_[doubt.pair].pair;
   const BoxNode &a = pair.a->nodes()[doubt.a], &b = pair.b->nodes()[doubt.b];
   if (!pair.mayCount(a.part, b.part)) return;
   if (a.is_leaf && b.is_leaf) return openLeaves(doubt);
