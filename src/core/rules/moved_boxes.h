@@ -36,6 +36,7 @@ struct CentredBox {
     return centred;
   }
 
+  DCM_HD float longestHalf() const { return most(most(half[0], half[1]), half[2]); }
   // Returns how far from its body's origin the box reaches along an axis.
   DCM_HD double reach(int k) const { return fabs(static_cast<double>(centre[k])) + half[k]; }
 };

@@ -45,6 +45,22 @@ using EightInts = int __attribute__((vector_size(4 * BoxNode::kLanes)));
   gap = (at < 0 ? -at : at) - (half[k] + reach);
 }
 
+// Computes normals of triangles, and their sizes in the sum of coordinates.
+[[gnu::always_inline]] inline void findNormals(const EightLanes (&corner)[3][3],
+                                               EightLanes (&normal)[3], EightLanes& size) {
+  EightLanes p[3], q[3];
+  for (int k = 0; k < 3; ++k) {
+    p[k] = corner[1][k] - corner[0][k];
+    q[k] = corner[2][k] - corner[0][k];
+  }
+  size = EightLanes{};
+  for (int k = 0; k < 3; ++k) {
+    const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
+    normal[k] = p[i] * q[j] - p[j] * q[i];
+    size += normal[k] < 0 ? -normal[k] : normal[k];
+  }
+}
+
 // Returns the bits of the lanes for which a comparison does not hold.
 [[gnu::always_inline]] inline std::uint32_t otherLanes(const EightInts& holds) {
   IntLanes halves[2];
@@ -69,16 +85,8 @@ DCM_WIDE_CLONES std::uint32_t placeTriangles(const FrameAxes& axes, const LeafCo
       y[c][k] = m[0] * v[0] + m[1] * v[1] + m[2] * v[2] + axes.offset[k];
     }
   }
-  EightLanes p[3], q[3], normal[3], size{};
-  for (int k = 0; k < 3; ++k) {
-    p[k] = y[1][k] - y[0][k];
-    q[k] = y[2][k] - y[0][k];
-  }
-  for (int k = 0; k < 3; ++k) {
-    const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
-    normal[k] = p[i] * q[j] - p[j] * q[i];
-    size += normal[k] < 0 ? -normal[k] : normal[k];
-  }
+  EightLanes normal[3], size;
+  findNormals(y, normal, size);
   const EightInts is_usual =
       (size > 1e-20F) & (size < 1e18F);  // products neither vanish nor overflow
   const float grown = growth * (1 + 1e-6F);

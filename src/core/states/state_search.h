@@ -79,6 +79,8 @@ class StateSearch {
   };
   // The nearest pair of triangles so far.
   struct Best {
+    static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
     float apart_m;  // without the radii
     std::uint32_t pair;
     ComparedPair triangles;  // with their own distance
