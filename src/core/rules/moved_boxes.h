@@ -36,6 +36,7 @@ struct CentredBox {
     return centred;
   }
 
+  DCM_HD float longestHalf() const { return most(most(half[0], half[1]), half[2]); }
   // Returns how far from its body's origin the box reaches along an axis.
   DCM_HD double reach(int k) const { return fabs(static_cast<double>(centre[k])) + half[k]; }
 };
@@ -47,24 +48,21 @@ namespace detail {
 constexpr double kVertexRounding = 0x1p-24 * (1 + 1e-6), kVertexStep = 0x1p-149;
 
 // The rounding of the sums of a gap, as a part of all terms: fewer than 16 operations, each within
-// 2^-24 or 2^-53.
-DCM_HD constexpr double sumRounding(float /*unused*/) { return 0x1p-19; }
-DCM_HD constexpr double sumRounding(double /*unused*/) { return 0x1p-48; }
+// 2^-24.
+constexpr double kSumRounding = 0x1p-19;
 
 // Terms up to this neither overflow nor have squares that do.
-DCM_HD constexpr double largestTerms(float /*unused*/) { return 1e18; }
-DCM_HD constexpr double largestTerms(double /*unused*/) { return 1e100; }
+constexpr double kLargestTerms = 1e18;
 
 }  // namespace detail
 
 // How boxes of two bodies are compared along the axes of one of them.
-template <class Real>
 struct FrameAxes {
-  Real turn[9];       // M, row by row
-  Real turn_size[9];  // |M|
-  Real offset[3];
-  Real slack[3];  // of all roundings, and of axes that are not orthogonal [m]
-  double scale2;  // 1 / (1 + 3 max|E|), rounded down
+  float turn[9];       // M, row by row
+  float turn_size[9];  // |M|
+  float offset[3];
+  float slack[3];  // of all roundings, and of axes that are not orthogonal [m]
+  double scale2;   // 1 / (1 + 3 max|E|), rounded down
 
   // `own` and `other` are poses of the body whose axes are taken, and of the other one. The boxes
   // hold all boxes of the two that will be compared.
@@ -101,16 +99,16 @@ struct FrameAxes {
           dot += r * own.rotation[3 * i + j];
         }
         skew = most(skew, fabs(dot) + 1e-15);
-        axes.turn[3 * k + j] = static_cast<Real>(turn);
-        axes.turn_size[3 * k + j] = static_cast<Real>(fabs(turn));
+        axes.turn[3 * k + j] = static_cast<float>(turn);
+        axes.turn_size[3 * k + j] = static_cast<float>(fabs(turn));
         terms[k] += turn_terms * other_box.reach(j);
       }
-      axes.offset[k] = static_cast<Real>(offset);
-      const bool overflows = !(terms[k] < detail::largestTerms(Real()));
-      terms[k] = overflows ? INFINITY : slack + detail::sumRounding(Real()) * terms[k];
+      axes.offset[k] = static_cast<float>(offset);
+      const bool overflows = !(terms[k] < detail::kLargestTerms);
+      terms[k] = overflows ? INFINITY : slack + detail::kSumRounding * terms[k];
     }
     for (int k = 0; k < 3; ++k) {
-      axes.slack[k] = static_cast<Real>((terms[k] + skew * own_sum) * (1 + 1e-6));
+      axes.slack[k] = static_cast<float>((terms[k] + skew * own_sum) * (1 + 1e-6));
     }
     axes.scale2 = (1 - 1e-12) / (1 + 3 * skew);
     return axes;
@@ -119,14 +117,14 @@ struct FrameAxes {
   // Returns a lower bound of the squared distance of all points of two boxes [m^2]; 0 if they may
   // overlap. Numbers that overflow leave it 0.
   DCM_HD double squaredGap(const CentredBox& own, const CentredBox& other) const {
-    const Real x = other.centre[0], y = other.centre[1], z = other.centre[2];
-    const Real u = other.half[0], v = other.half[1], w = other.half[2];
+    const float x = other.centre[0], y = other.centre[1], z = other.centre[2];
+    const float u = other.half[0], v = other.half[1], w = other.half[2];
     double sum = 0;
     for (int k = 0; k < 3; ++k) {
-      const Real* const m = turn + 3 * k;
-      const Real* const s = turn_size + 3 * k;
-      const Real at = m[0] * x + m[1] * y + m[2] * z + (offset[k] - own.centre[k]);
-      const Real reach = own.half[k] + (s[0] * u + s[1] * v + s[2] * w) + slack[k];
+      const float* const m = turn + 3 * k;
+      const float* const s = turn_size + 3 * k;
+      const float at = m[0] * x + m[1] * y + m[2] * z + (offset[k] - own.centre[k]);
+      const float reach = own.half[k] + (s[0] * u + s[1] * v + s[2] * w) + slack[k];
       const double gap = (at < 0 ? -at : at) - reach;
       if (gap > 0) sum += gap * gap;
     }
@@ -136,14 +134,13 @@ struct FrameAxes {
 };
 
 // Two bodies, and the axes of either.
-template <class Real>
 struct FramePair {
-  FrameAxes<Real> of_a, of_b;
+  FrameAxes of_a, of_b;
 
   DCM_HD static FramePair of(const RigidTransform& pose_a, const CentredBox& box_a,
                              const RigidTransform& pose_b, const CentredBox& box_b) {
-    return {FrameAxes<Real>::of(pose_a, box_a, pose_b, box_b),
-            FrameAxes<Real>::of(pose_b, box_b, pose_a, box_a)};
+    return {FrameAxes::of(pose_a, box_a, pose_b, box_b),
+            FrameAxes::of(pose_b, box_b, pose_a, box_a)};
   }
 
   // Returns a lower bound of the squared distance of the posed float32 vertices in a box of a from

@@ -18,7 +18,7 @@ using EightInts = int __attribute__((vector_size(4 * BoxNode::kLanes)));
 }
 
 // Computes the gaps along axis k of the single box's body.
-[[gnu::always_inline]] inline void gapsAlongSingle(const FrameAxes<float>& axes, int k,
+[[gnu::always_inline]] inline void gapsAlongSingle(const FrameAxes& axes, int k,
                                                    const CentredBox& single,
                                                    const EightLanes* centre, const EightLanes* half,
                                                    EightLanes& gap) {
@@ -32,7 +32,7 @@ using EightInts = int __attribute__((vector_size(4 * BoxNode::kLanes)));
 }
 
 // Computes the gaps along axis k of the node's body.
-[[gnu::always_inline]] inline void gapsAlongNode(const FrameAxes<float>& axes, int k,
+[[gnu::always_inline]] inline void gapsAlongNode(const FrameAxes& axes, int k,
                                                  const CentredBox& single, const EightLanes* centre,
                                                  const EightLanes* half, EightLanes& gap) {
   const float* const m = axes.turn + 3 * k;
@@ -43,6 +43,22 @@ using EightInts = int __attribute__((vector_size(4 * BoxNode::kLanes)));
       s[0] * single.half[0] + s[1] * single.half[1] + s[2] * single.half[2] + axes.slack[k];
   const EightLanes at = of_single - centre[k];
   gap = (at < 0 ? -at : at) - (half[k] + reach);
+}
+
+// Computes normals of triangles, and their sizes in the sum of coordinates.
+[[gnu::always_inline]] inline void findNormals(const EightLanes (&corner)[3][3],
+                                               EightLanes (&normal)[3], EightLanes& size) {
+  EightLanes p[3], q[3];
+  for (int k = 0; k < 3; ++k) {
+    p[k] = corner[1][k] - corner[0][k];
+    q[k] = corner[2][k] - corner[0][k];
+  }
+  size = EightLanes{};
+  for (int k = 0; k < 3; ++k) {
+    const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
+    normal[k] = p[i] * q[j] - p[j] * q[i];
+    size += normal[k] < 0 ? -normal[k] : normal[k];
+  }
 }
 
 // Returns the bits of the lanes for which a comparison does not hold.
@@ -56,10 +72,9 @@ using EightInts = int __attribute__((vector_size(4 * BoxNode::kLanes)));
 
 // The errors are some 2^-24 of the terms, and the slack is 2^-19 of them, so twice the slack is
 // enough for all of them. Any normal is right, as far as it is used for all places alike.
-DCM_WIDE_CLONES std::uint32_t placeTriangles(const FrameAxes<float>& axes,
-                                             const LeafCorners& corners, float growth,
-                                             const CentredBox& box, TrianglesInFrame& placed,
-                                             float* gaps) {
+DCM_WIDE_CLONES std::uint32_t placeTriangles(const FrameAxes& axes, const LeafCorners& corners,
+                                             float growth, const CentredBox& box,
+                                             TrianglesInFrame& placed, float* gaps) {
   const EightLanes none{};
   EightLanes y[3][3];
   for (int c = 0; c < 3; ++c) {
@@ -70,16 +85,8 @@ DCM_WIDE_CLONES std::uint32_t placeTriangles(const FrameAxes<float>& axes,
       y[c][k] = m[0] * v[0] + m[1] * v[1] + m[2] * v[2] + axes.offset[k];
     }
   }
-  EightLanes p[3], q[3], normal[3], size{};
-  for (int k = 0; k < 3; ++k) {
-    p[k] = y[1][k] - y[0][k];
-    q[k] = y[2][k] - y[0][k];
-  }
-  for (int k = 0; k < 3; ++k) {
-    const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
-    normal[k] = p[i] * q[j] - p[j] * q[i];
-    size += normal[k] < 0 ? -normal[k] : normal[k];
-  }
+  EightLanes normal[3], size;
+  findNormals(y, normal, size);
   const EightInts is_usual =
       (size > 1e-20F) & (size < 1e18F);  // products neither vanish nor overflow
   const float grown = growth * (1 + 1e-6F);

@@ -8,7 +8,7 @@ namespace deformable_contact_monitor {
 
 // The axes of the body that has the single box, and of the body that has the node.
 struct LaneAxes {
-  const FrameAxes<float>&of_single, &of_node;
+  const FrameAxes &of_single, &of_node;
 };
 
 // Returns the bits of the lanes whose boxes are not certainly more than `growth` apart along some
@@ -41,7 +41,7 @@ struct TrianglesInFrame {
 // Places the triangles of a leaf, and returns the bits of those that are not certainly more than
 // `growth` apart from a box of the other body, whose axes these are. Fills in the largest gaps
 // between its box and theirs.
-std::uint32_t placeTriangles(const FrameAxes<float>& axes, const LeafCorners& corners, float growth,
+std::uint32_t placeTriangles(const FrameAxes& axes, const LeafCorners& corners, float growth,
                              const CentredBox& box, TrianglesInFrame& placed, float* gaps);
 
 // Returns the bits of the lanes whose boxes may be within the growth.

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
-#include "core/common/contact_geometry.h"
 #include "core/common/posed_body.h"
 #include "core/predicates/narrow_phase.h"
 #include "core/rules/margins.h"
@@ -15,11 +13,9 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr std::uint32_t kNoPair = ~std::uint32_t{0};
-
 // Returns the least number that is not below a distance of float axes for which boxes along one
 // axis are certainly farther apart than touch_m [m].
-float growthOf(const FramePair<float>& frame, float touch_m) {
+float growthOf(const FramePair& frame, float touch_m) {
   if (touch_m == 0) return 0;
   const double scale = std::sqrt(std::min(frame.of_a.scale2, frame.of_b.scale2));
   return static_cast<float>(certainlyBeyond(touch_m) / scale * (1 + 1e-6));
@@ -27,8 +23,6 @@ float growthOf(const FramePair<float>& frame, float touch_m) {
 
 // Returns whether a box of posed vertices has all of them, as none became infinite.
 bool isFiniteBox(const Aabb& box) { return isFinite(box.min) && isFinite(box.max); }
-
-float sizeOf(const CentredBox& box) { return most(most(box.half[0], box.half[1]), box.half[2]); }
 
 // Lists lanes, given by their bits, the least gap first. Returns how many they are.
 int lanesByGap(std::uint32_t bits, const float* gaps, int* lanes) {
@@ -78,11 +72,11 @@ bool StateSearch::decide(std::uint32_t state, StateAnswer* answer,
   const std::size_t listed = pairs->size();
   const StateOptions& options = task_->options;
   bool touch = false, near = false;
-  best_ = {INFINITY, kNoPair, {INFINITY, kNoPair, kNoPair}};
+  best_ = {INFINITY, Best::kNone, {INFINITY, Best::kNone, Best::kNone}};
   if (options.nearest) {
     findNearest();
     touch = best_.apart_m == 0;
-    near = best_.pair != kNoPair;
+    near = best_.pair != Best::kNone;
     if (touch && options.pairs) listTouching(state, pairs);
   } else if (options.pairs) {
     listTouching(state, pairs);
@@ -132,12 +126,12 @@ bool StateSearch::mayBeWithin(const StatePair& pair, float distance_m) const {
 }
 
 // Returns how the boxes of a pair are compared in this state.
-const FramePair<float>& StateSearch::frameOf(std::uint32_t pair_index) {
+const FramePair& StateSearch::frameOf(std::uint32_t pair_index) {
   Frame& frame = frames_[pair_index];
   if (frame.state == state_) return frame.pair;
   const StatePair& pair = task_->pairs[pair_index];
-  frame.pair = FramePair<float>::of(*poses_[pair.a_id], pair.a->nodes()[0].box, *poses_[pair.b_id],
-                                    pair.b->nodes()[0].box);
+  frame.pair = FramePair::of(*poses_[pair.a_id], pair.a->nodes()[0].box, *poses_[pair.b_id],
+                             pair.b->nodes()[0].box);
   frame.state = state_;
   return frame.pair;
 }
@@ -194,7 +188,7 @@ bool StateSearch::touches(std::uint32_t pair_index) {
     if (!pair.mayCount(node_a.part, node_b.part)) continue;
     // The larger one is split. A leaf is split into its triangles, which are compared with all
     // that is below the other node, because their planes leave little of it.
-    const bool of_a = sizeOf(node_a.box) > sizeOf(node_b.box);
+    const bool of_a = node_a.box.longestHalf() > node_b.box.longestHalf();
     const BoxNode &split = of_a ? node_a : node_b, &other = of_a ? node_b : node_a;
     int order[BoxNode::kLanes];
     if (!split.is_leaf) {
@@ -221,7 +215,7 @@ bool StateSearch::touches(std::uint32_t pair_index) {
 // that overlap most first. Returns how many they are.
 int StateSearch::lanesThatMeet(std::uint32_t pair_index, bool of_a, const BoxNode& node,
                                const CentredBox& other, int* lanes) const {
-  const FramePair<float>& frame = frames_[pair_index].pair;
+  const FramePair& frame = frames_[pair_index].pair;
   const LaneAxes axes = of_a ? LaneAxes{frame.of_b, frame.of_a} : LaneAxes{frame.of_a, frame.of_b};
   float gaps[BoxNode::kLanes];
   return lanesByGap(lanesWithin(axes, other, node, growth_m_, gaps) & node.used, gaps, lanes);
@@ -232,7 +226,7 @@ int StateSearch::trianglesThatMeet(std::uint32_t pair_index, bool of_a, const Bo
                                    const CentredBox& other, TrianglesInFrame* triangles,
                                    int* lanes) const {
   const StatePair& pair = task_->pairs[pair_index];
-  const FramePair<float>& frame = frames_[pair_index].pair;
+  const FramePair& frame = frames_[pair_index].pair;
   float gaps[BoxNode::kLanes];
   const std::uint32_t bits =
       placeTriangles(of_a ? frame.of_b : frame.of_a, (of_a ? pair.a : pair.b)->corners(leaf),
@@ -291,157 +285,6 @@ bool StateSearch::trianglesTouch(float touch_m, const Triangle& a, const PlaneFi
   }
   if (touch_m == 0 || arePlanesApart(a, b, certainlyBeyond(touch_m))) return false;
   return comparedDistance(separation(a, b)) <= touch_m;
-}
-
-// Searches all pairs of bodies at once, best first, because only the nearest of all is asked for.
-void StateSearch::findNearest() {
-  heap_.clear();
-  // If bodies touch, only the first two that do matter, and only their triangles that touch. To
-  // know that takes little time.
-  has_points_ = true;
-  direction_ = Vec3d();
-  for (std::uint32_t i = 0; i < task_->pairs.size() && best_.pair == kNoPair; ++i) {
-    if (touches(i)) best_ = {0, i, {INFINITY, kNoPair, kNoPair}};
-  }
-  for (std::uint32_t i = 0; i < task_->pairs.size(); ++i) {
-    const StatePair& pair = task_->pairs[i];
-    if (!mayBeWithin(pair, pair.radii.triangleDistanceM(pair.margin_m))) continue;
-    const BoxNode &a = pair.a->nodes()[0], &b = pair.b->nodes()[0];
-    const double low_m = std::sqrt(frameOf(i).squaredGap(a.box, b.box, INFINITY)) * (1 - 1e-6);
-    push({low_m - pair.radii.sum(), low_m, i, 0, 0, *std::min_element(a.first, a.first + a.count),
-          *std::min_element(b.first, b.first + b.count)});
-  }
-  while (!heap_.empty() && !isTime()) {
-    std::pop_heap(heap_.begin(), heap_.end(), isLater);
-    const Doubt doubt = heap_.back();
-    heap_.pop_back();
-    refine(doubt);
-  }
-}
-
-// Orders the heap: the least bound comes first; of equal bounds, the least pair and triangles,
-// because they win a tie.
-bool StateSearch::isLater(const Doubt& x, const Doubt& y) {
-  if (x.order_m != y.order_m) return x.order_m > y.order_m;
-  if (x.pair != y.pair) return x.pair > y.pair;
-  return x.first_a != y.first_a ? x.first_a > y.first_a : x.first_b > y.first_b;
-}
-
-// Returns whether pairs of triangles from these on, at least low_m apart, may precede the best one.
-bool StateSearch::mayPrecede(std::uint32_t pair, double low_m, std::uint32_t first_a,
-                             std::uint32_t first_b) const {
-  const StatePair& of = task_->pairs[pair];
-  const ComparedPair least{leastCompared(low_m), first_a, first_b};
-  const float apart_m = of.radii.apartM(least.distance_m);
-  if (apart_m > of.margin_m) return false;
-  if (apart_m != best_.apart_m) return apart_m < best_.apart_m;
-  return pair != best_.pair ? pair < best_.pair : least.precedes(best_.triangles);
-}
-
-// Returns a distance of triangles [m] from which on a pair of bodies cannot have the best ones.
-double StateSearch::neededM(std::uint32_t pair) const {
-  const StatePair& of = task_->pairs[pair];
-  return certainlyBeyond(of.radii.triangleDistanceM(least(best_.apart_m, of.margin_m)));
-}
-
-void StateSearch::push(const Doubt& doubt) {
-  if (!mayPrecede(doubt.pair, doubt.low_m, doubt.first_a, doubt.first_b)) return;
-  heap_.push_back(doubt);
-  std::push_heap(heap_.begin(), heap_.end(), isLater);
-}
-
-// Replaces the larger one of two nodes by its children, or two leaves by their triangles.
-void StateSearch::refine(const Doubt& doubt) {
-  if (!mayPrecede(doubt.pair, doubt.low_m, doubt.first_a, doubt.first_b)) return;
-  const StatePair& pair = task_->pairs[doubt.pair];
-  const FramePair<float>& frame = frames_[doubt.pair].pair;
-  const BoxNode &a = pair.a->nodes()[doubt.a], &b = pair.b->nodes()[doubt.b];
-  if (!pair.mayCount(a.part, b.part)) return;
-  if (a.is_leaf && b.is_leaf) return openLeaves(doubt);
-  const bool of_a = b.is_leaf || (!a.is_leaf && sizeOf(a.box) > sizeOf(b.box));
-  const BoxNode &node = of_a ? a : b, &other = of_a ? b : a;
-  float squared[BoxNode::kLanes];
-  squaredGapsOfLanes(of_a ? LaneAxes{frame.of_b, frame.of_a} : LaneAxes{frame.of_a, frame.of_b},
-                     other.box, node, squared);
-  for (std::uint32_t lane = 0; lane < node.count; ++lane) {
-    if ((node.used >> lane & 1) == 0) continue;
-    const double low_m = most(doubt.low_m, std::sqrt(double{squared[lane]}) * (1 - 1e-6));
-    Doubt child = doubt;
-    child.low_m = low_m;
-    child.order_m = low_m - pair.radii.sum();
-    (of_a ? child.a : child.b) = node.child[lane];
-    (of_a ? child.first_a : child.first_b) = node.first[lane];
-    push(child);
-  }
-}
-
-void StateSearch::openLeaves(const Doubt& doubt) {
-  const StatePair& pair = task_->pairs[doubt.pair];
-  leaf_a_.make(pair.a->nodes()[doubt.a],
-               PosedBody(task_->scene.body(pair.a_id), *poses_[pair.a_id]));
-  leaf_b_.make(pair.b->nodes()[doubt.b],
-               PosedBody(task_->scene.body(pair.b_id), *poses_[pair.b_id]));
-  nearLanes(leaf_a_, leaf_b_, hasDirection(doubt.pair) ? direction_ : Vec3d(), neededM(doubt.pair),
-            near_);
-  for (const NearLanes& near : near_) {
-    const std::uint32_t triangle_a = leaf_a_.index[near.a], triangle_b = leaf_b_.index[near.b];
-    if (!pair.counts(triangle_a, triangle_b)) continue;
-    if (!mayPrecede(doubt.pair, most(near.low_m, doubt.low_m), triangle_a, triangle_b)) continue;
-    test(doubt.pair, leaf_a_.triangle[near.a], leaf_b_.triangle[near.b], triangle_a, triangle_b,
-         near.boxes_meet);
-    if (isTime()) return;
-  }
-}
-
-// Tests two triangles, and takes them as the best ones if they are.
-void StateSearch::test(std::uint32_t pair, const Triangle& a, const Triangle& b,
-                       std::uint32_t triangle_a, std::uint32_t triangle_b, bool boxes_meet) {
-  const StatePair& of = task_->pairs[pair];
-  if (arePlanesApart(a, b, neededM(pair))) return;
-  PredicateState state{Predicates::kExact};
-  const bool meet = boxes_meet && trianglesIntersect(a, b, state);
-  const ComparedPair found{meet ? 0 : comparedDistance(separation(a, b)), triangle_a, triangle_b};
-  const float apart_m = of.radii.apartM(found.distance_m);
-  float margin_m = of.margin_m;
-  if (task_->part_margins) {
-    const Body& body_a = task_->scene.body(of.a_id);
-    const Body& body_b = task_->scene.body(of.b_id);
-    margin_m = pairMargin(body_a.marginOf(body_a.partOf(triangle_a)),
-                          body_b.marginOf(body_b.partOf(triangle_b)));
-  }
-  if (apart_m > margin_m) return;
-  const bool precedes =
-      apart_m != best_.apart_m
-          ? apart_m < best_.apart_m
-          : (pair != best_.pair ? pair < best_.pair : found.precedes(best_.triangles));
-  if (!precedes) return;
-  best_ = {apart_m, pair, found};
-  has_points_ = false;
-}
-
-// Returns whether the best pair is of these bodies, and its nearest points give a direction, in
-// which those of other tiles lie too, more or less.
-bool StateSearch::hasDirection(std::uint32_t pair) {
-  if (best_.pair != pair) return false;
-  if (!has_points_) {
-    const NearestPair nearest = nearestPair();
-    direction_ = toDouble(nearest.normal);
-    has_points_ = true;
-  }
-  return direction_ != Vec3d();
-}
-
-// Returns the best pair, with its points.
-NearestPair StateSearch::nearestPair() const {
-  const StatePair& pair = task_->pairs[best_.pair];
-  const BodyId a = pair.a_id, b = pair.b_id;
-  const PosedBody body_a(task_->scene.body(a), *poses_[a]);
-  const PosedBody body_b(task_->scene.body(b), *poses_[b]);
-  const ComparedPair& triangles = best_.triangles;
-  NearestPair nearest = nearestPairOf(
-      body_a, body_b, {a, triangles.triangle_a, b, triangles.triangle_b}, triangles.distance_m);
-  deflate(pair.radii, &nearest);
-  return nearest;
 }
 
 }  // namespace deformable_contact_monitor

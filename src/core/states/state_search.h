@@ -65,7 +65,7 @@ class StateSearch {
   // How boxes of a pair are compared, and the number of the state for which that is.
   struct Frame {
     std::uint64_t state = 0;
-    FramePair<float> pair;
+    FramePair pair;
   };
   struct NodePair {
     std::uint32_t a, b;
@@ -79,6 +79,8 @@ class StateSearch {
   };
   // The nearest pair of triangles so far.
   struct Best {
+    static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
     float apart_m;  // without the radii
     std::uint32_t pair;
     ComparedPair triangles;  // with their own distance
@@ -87,7 +89,7 @@ class StateSearch {
   bool setPoses(std::uint32_t state);
   bool leavesFloats() const;
   bool mayBeWithin(const StatePair& pair, float distance_m) const;
-  const FramePair<float>& frameOf(std::uint32_t pair);
+  const FramePair& frameOf(std::uint32_t pair);
   Triangle posed(BodyId body, std::uint32_t triangle) const;
   bool isTime();
 

@@ -94,6 +94,20 @@ TEST_P(StateLimitsSuite, AreRightWhereverTheyEnd) {
   expectPartOf(whole, checker_->check(scene_, states_.batch(), options));
 }
 
+TEST_P(StateLimitsSuite, LeaveAStateOpenIfTheyEndWithinIt) {
+  Scene near = pairScene(clothGrid(120, 1, 0, 0.1F), clothGrid(113, 1, 0.02F, 0.1F));
+  near.setMargin(0, 1);
+  const States one{{1}, {RigidTransform()}};
+  StateOptions options;
+  options.nearest = options.pairs = true;
+  const StateResults whole = checker_->check(near, one.batch(), options);
+  ASSERT_EQ(PairDecision::kNear, whole.states[0].decision);
+  for (int us = 8; us < 100000; us = us * 5 / 4) {
+    options.limits.deadline = Clock::now() + std::chrono::microseconds(us);
+    expectPartOf(whole, checker_->check(near, one.batch(), options));
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(, StateLimitsSuite, ::testing::ValuesIn(stateBackends()),
                          stateBackendName);
 
