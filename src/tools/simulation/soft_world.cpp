@@ -269,6 +269,7 @@ Advance SoftWorld::Bullet::advance(double dt_s, const LinkPose& pose_of) {
   Advance result;
   bool is_lost = false;
   std::vector<btVector3> before;
+  before.reserve(shape_.nodes.size());
   for (int i = 0; i < body_->m_nodes.size(); ++i) before.push_back(body_->m_nodes[i].m_x);
   for (auto& [name, link] : links_) {
     const std::optional<Eigen::Isometry3d> pose =

@@ -208,14 +208,14 @@ TEST(SoftWorldTest, startsAnewWhenItHasFallenFarAway) {
   ADD_FAILURE() << "it did not start anew";
 }
 
-TEST(SoftWorldTest, posesThatAreNotFiniteAreNotKnown) {
+TEST(SoftWorldTest, aPoseThatIsNotFiniteLeavesTheLinkWhereItWas) {
   const auto calm = world(options());
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (int frame = 0; frame < 30; ++frame) {
+  for (int frame = 0; frame < 60; ++frame) {
     const bool is_bad = frame % 3 == 1;
-    EXPECT_EQ(calm->advance(kFrame, allAt({is_bad ? nan : 0, 0, 0.5})).problem, "");
+    EXPECT_EQ(calm->advance(kFrame, allAt({is_bad ? nan : 0, 0, 0.7})).problem, "");
+    ASSERT_TRUE(frame < 30 || !calm->contacts().empty()) << frame;
   }
-  for (const Eigen::Vector3d& p : vertices(*calm)) ASSERT_TRUE(p.allFinite());
 }
 
 TEST(SoftWorldTest, whatALinkHoldsFollowsIt) {
