@@ -21,27 +21,29 @@
 namespace deformable_contact_monitor {
 namespace {
 
-[[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument(why); }
+[[noreturn]] void refuseQuestion(const std::string& why) { throw std::invalid_argument(why); }
 
 // Refuses a question whose numbers cannot be used.
 void requireNumbers(const StatesToCheck& question) {
   const std::size_t joints = question.joint_names.size(), numbers = question.positions.size();
-  if (joints == 0) refuse("joint_names is empty");
-  if (numbers == 0) refuse("positions is empty");
+  if (joints == 0) refuseQuestion("joint_names is empty");
+  if (numbers == 0) refuseQuestion("positions is empty");
   if (numbers % joints != 0) {
-    refuse("positions has " + std::to_string(numbers) + " numbers, which is no multiple of the " +
-           std::to_string(joints) + " joint_names");
+    refuseQuestion("positions has " + std::to_string(numbers) +
+                   " numbers, which is no multiple of the " + std::to_string(joints) +
+                   " joint_names");
   }
   for (std::size_t i = 0; i < numbers; ++i) {
     if (std::isfinite(question.positions[i])) continue;
-    refuse("positions[" + std::to_string(i) + "], of joint '" + question.joint_names[i % joints] +
-           "' in state " + std::to_string(i / joints) + ", is not finite");
+    refuseQuestion("positions[" + std::to_string(i) + "], of joint '" +
+                   question.joint_names[i % joints] + "' in state " + std::to_string(i / joints) +
+                   ", is not finite");
   }
   if (!std::isfinite(question.margin) || question.margin > kMaxMarginM) {
-    refuse("margin is " + std::to_string(question.margin) +
-           " m; it must be a number of at most 10");
+    refuseQuestion("margin is " + std::to_string(question.margin) +
+                   " m; it must be a number of at most 10");
   }
-  if (question.max_time < ros::Duration()) refuse("max_time is negative");
+  if (question.max_time < ros::Duration()) refuseQuestion("max_time is negative");
 }
 
 // Gives all bodies one margin, and their own again when it goes out of scope. A negative margin
@@ -173,12 +175,14 @@ StatesChecked StateQuestions::answer(const StatesToCheck& question) {
 // Takes over the robot and the rules in force, if they have changed.
 void StateQuestions::followRules() {
   const InForce in_force = sources_.requests.inForce();
-  if (!in_force.enabled) refuse("the monitor is disabled (~set_enabled)");
-  if (!parameters_.pair_classes.needRobot()) refuse("no robot is monitored (~pair_classes)");
+  if (!in_force.enabled) refuseQuestion("the monitor is disabled (~set_enabled)");
+  if (!parameters_.pair_classes.needRobot())
+    refuseQuestion("no robot is monitored (~pair_classes)");
   const std::shared_ptr<const RobotGeometry> robot = sources_.newest_robot();
-  if (robot == nullptr) refuse("no robot received yet");
+  if (robot == nullptr) refuseQuestion("no robot received yet");
   if (robot->joints.empty()) {
-    refuse("the robot's joints are not known, because it has no URDF (~robot_source: topic)");
+    refuseQuestion(
+        "the robot's joints are not known, because it has no URDF (~robot_source: topic)");
   }
   if (robot != robot_) {
     scene_.setRobot(*robot);
@@ -200,7 +204,7 @@ void StateQuestions::check(const StatesToCheck& question, SteadyTime start, Stat
   requireNumbers(question);
   followRules();
   const ros::Time now = sources_.now();
-  if (now.isZero()) refuse("no clock: use_sim_time is set, and nothing came on /clock");
+  if (now.isZero()) refuseQuestion("no clock: use_sim_time is set, and nothing came on /clock");
   Limits limits{SteadyTime::max(), &sources_.requests.stopped()};
   if (!question.max_time.isZero()) limits.deadline = start + fromSeconds(question.max_time.toSec());
 
@@ -250,20 +254,20 @@ StatesAsked StateQuestions::pairsOf(const StatesToCheck& question, const MovedBo
   for (const std::string& name : question.objects) {
     const auto found = std::find(objects.begin(), objects.end(), name);
     if (found == objects.end()) {
-      refuse("there is no object '" + name + "'" + nearestNameHint(name, objects));
+      refuseQuestion("there is no object '" + name + "'" + nearestNameHint(name, objects));
     }
     StatesAsked of_one = asked;
     const auto id = scene_.firstRigid() + static_cast<BodyId>(found - objects.begin());
     of_one.asked.assign(bodies.size(), false);
     of_one.asked[id] = asked.asked[id] = true;
     if (!has_pair(of_one)) {
-      refuse(
+      refuseQuestion(
           "object '" + name +
           "' has no monitored pair with anything that these joints move (~pair_classes, ~links)");
     }
   }
   if (!has_pair(asked)) {
-    refuse("no monitored pair has anything that these joints move (~pair_classes, ~links)");
+    refuseQuestion("no monitored pair has anything that these joints move (~pair_classes, ~links)");
   }
   return asked;
 }
