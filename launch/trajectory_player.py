@@ -74,14 +74,15 @@ class Guard:
     def scale(self, now_s):
         if self._max_silence_s is None:
             return 1.0
-        silent = self._heard is None or now_s - self._heard > self._max_silence_s
+        silent = self._heard is None or not 0 <= now_s - self._heard <= self._max_silence_s
         return 0.0 if silent or self._stop else self._scale
 
 
 class Player:
-    def __init__(self, motion, guard, rate_hz, brake_s, grasp):
+    def __init__(self, motion, guard, rate_hz, brake_s, grasp, held):
         self._motion, self._guard, self._brake_s = motion, guard, brake_s
         self._grasp = rospy.ServiceProxy(f"{grasp}/attach_object", AttachObject) if grasp else None
+        self._object = held
         self._period_s = 1 / rate_hz
         self._scale = self._time_s = 0.0
         self._holds = list(motion.holds)
@@ -118,8 +119,9 @@ class Player:
                 continue
             radius_m, links = (hold[0], hold[1:]) if hold else (0.0, [])
             try:
-                answer = self._grasp(object="", links=links, radius=radius_m)
-                rospy.loginfo("%s", answer.message)
+                answer = self._grasp(object=self._object, links=links, radius=radius_m)
+                say = rospy.loginfo if answer.success else rospy.logerr
+                say("%s", answer.message)
             except rospy.ServiceException as error:
                 rospy.logerr("%s was not held: %s", " ".join(links) or "nothing", error)
 
@@ -136,6 +138,8 @@ def main():
                         help="no news of the guard for so long are a stop")
     parser.add_argument("--grasp", default="", metavar="NAME",
                         help="node that holds the object for links, such as soft_scene")
+    parser.add_argument("--object", default="cloth", metavar="NAME",
+                        help="of what links hold")
     arguments = parser.parse_args(rospy.myargv()[1:])
     if not (arguments.rate > 0 and arguments.brake >= 0):
         parser.error("--rate must be above 0 and --brake not below")
@@ -146,7 +150,8 @@ def main():
     rospy.init_node("trajectory_player")
     guard = Guard(arguments.guard, arguments.max_silence)
     try:
-        Player(motion, guard, arguments.rate, arguments.brake, arguments.grasp).run()
+        Player(motion, guard, arguments.rate, arguments.brake, arguments.grasp,
+               arguments.object).run()
     except rospy.ROSInterruptException:
         pass
 

@@ -25,12 +25,17 @@ constexpr std::size_t kBatch = 8192, kLimitedBatch = 512;
 // How many pairs of tiles, and of triangles that are the nearest so far, have room at first.
 constexpr std::size_t kNearTiles = 1 << 20, kHits = 1 << 18;
 
+// Returns the device that checks states: of several the first one.
+int deviceOf(const CudaSettings& settings) {
+  return settings.devices.empty() ? settings.device : settings.devices.front();
+}
+
 class CudaStateChecker : public StateChecker {
  public:
   explicit CudaStateChecker(const CudaSettings& settings)
-      : device_(settings.device),
+      : device_(deviceOf(settings)),
         limit_bytes_(settings.memory_limit_bytes),
-        traits_(DeviceTraits::of(settings.device)) {}
+        traits_(DeviceTraits::of(deviceOf(settings))) {}
   ~CudaStateChecker() override {
     cudaSetDevice(device_);
     cudaStreamSynchronize(stream_.get());
@@ -43,7 +48,7 @@ class CudaStateChecker : public StateChecker {
 
  private:
   void checkAll(const Scene& scene, const StateBatch& batch, const StateOptions& options);
-  std::size_t batchSize(const StateOptions& options, std::size_t pairs) const;
+  std::size_t batchSize(const StateOptions& options, std::size_t pairs, std::size_t moved) const;
   void stagePoses(const StateBatch& batch, std::size_t first, std::size_t count);
   void makeRoom(std::size_t count, std::size_t moved, const StateOptions& options);
   StateArrays arraysFor(std::size_t count, const StateOptions& options, const CycleLimit& limit);
@@ -114,7 +119,7 @@ void CudaStateChecker::checkAll(const Scene& scene, const StateBatch& batch,
     return;
   }
   results_.rejected = scene_.rejected();
-  std::size_t each = batchSize(options, scene_.pairs().size());
+  std::size_t each = batchSize(options, scene_.pairs().size(), batch.moved.size());
   for (std::size_t first = 0; first < batch.count;) {
     if (limit.over()) {
       results_.cut_off = true;
@@ -139,10 +144,15 @@ void CudaStateChecker::checkAll(const Scene& scene, const StateBatch& batch,
   if (results_.cut_off) results_.cut_off_because = limit.why();
 }
 
-std::size_t CudaStateChecker::batchSize(const StateOptions& options, std::size_t pairs) const {
+// Returns how many states are decided at once. The number of a thread, of which there are 32 for
+// each moved body in each state, must have room in 32 bits.
+std::size_t CudaStateChecker::batchSize(const StateOptions& options, std::size_t pairs,
+                                        std::size_t moved) const {
   constexpr std::size_t kMostFlags = std::size_t{1} << 28;  // of states and pairs
-  const std::size_t most = options.limits.any() ? kLimitedBatch : kBatch;
-  return std::max<std::size_t>(1, std::min(most, kMostFlags / std::max<std::size_t>(1, pairs)));
+  constexpr std::size_t kMostWarps = std::size_t{1} << 26;
+  std::size_t most = options.limits.any() ? kLimitedBatch : kBatch;
+  most = std::min(most, kMostFlags / std::max<std::size_t>(1, pairs));
+  return std::max<std::size_t>(1, std::min(most, kMostWarps / std::max<std::size_t>(1, moved)));
 }
 
 // Copies the poses to page-locked memory. States with poses that are not finite get other ones.
@@ -360,7 +370,7 @@ class OwnProcessChecker : public StateChecker {
 
 std::unique_ptr<StateChecker> makeCudaStateChecker(const CudaSettings& settings) {
   requireOwnProcess();
-  requireUsable(settings.device);
+  requireUsable(deviceOf(settings));
   noteDeviceUse();
   return std::make_unique<OwnProcessChecker>(std::make_unique<CudaStateChecker>(settings));
 }

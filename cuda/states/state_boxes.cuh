@@ -80,13 +80,23 @@ struct QuickPose {
     return is_still || received.empty() || boxOf(received).max.x < FLT_MAX;
   }
 
-  // Returns about where a point comes to be.
-  __device__ Vec3f at(const Vec3f& p) const {
-    if (is_still) return p;
-    const float *const r = rotation, *const t = translation;
-    return {t[0] + r[0] * p.x + r[1] * p.y + r[2] * p.z,
-            t[1] + r[3] * p.x + r[4] * p.y + r[5] * p.z,
-            t[2] + r[6] * p.x + r[7] * p.y + r[8] * p.z};
+  // A place, and what is at most its error [m].
+  struct Place {
+    Vec3f at;
+    float error_m;
+  };
+
+  // Returns about where a point comes to be. The error goes by the sizes before they cancel.
+  __device__ Place at(const Vec3f& p) const {
+    if (is_still) return {p, 0};
+    constexpr float kRounding = 4e-6F, kLeast = 1e-37F;
+    float place[3], size = kLeast;
+    for (int i = 0; i < 3; ++i) {
+      const float* const r = rotation + 3 * i;
+      place[i] = translation[i] + r[0] * p.x + r[1] * p.y + r[2] * p.z;
+      size += fabsf(translation[i]) + fabsf(r[0] * p.x) + fabsf(r[1] * p.y) + fabsf(r[2] * p.z);
+    }
+    return {{place[0], place[1], place[2]}, size * kRounding + kLeast};
   }
 };
 

@@ -119,11 +119,11 @@ struct StateWarp {
 
 __device__ std::uint32_t warpNumber() { return (blockIdx.x * kThreads + threadIdx.x) / kWarp; }
 
-// Returns an upper bound of the distance of two tiles, from a point of each [m].
-__device__ float upperGapOf(const Vec3f& a, const Vec3f& b) {
-  constexpr float kRounding = 4e-6F;  // as in QuickPose::boxOf()
-  const float size = fabsf(a.x) + fabsf(a.y) + fabsf(a.z) + fabsf(b.x) + fabsf(b.y) + fabsf(b.z);
-  return upperGap(a, b) + size * kRounding;
+// Returns an upper bound of the distance of two tiles, from a point of each [m]; infinity where
+// float32 ends.
+__device__ float upperGapOf(const QuickPose::Place& a, const QuickPose::Place& b) {
+  const float upper_m = upperGap(a.at, b.at) + a.error_m + b.error_m;
+  return upper_m < FLT_MAX / 2 ? upper_m * (1 + 1e-6F) : INFINITY;
 }
 
 // Lowers s.apart by distances of points of tiles that may be in reach, and notes the tiles with the
@@ -143,6 +143,7 @@ __global__ void __launch_bounds__(kThreads) boundsKernel(StateArrays s) {
       const std::uint32_t tile_a = flipped ? other : own, tile_b = flipped ? own : other;
       const float upper_m =
           upperGapOf(a.pose().at(s.tile_point[tile_a]), b.pose().at(s.tile_point[tile_b]));
+      if (!(upper_m < INFINITY)) return;
       const float apart_m =
           __double2float_ru(most(upper_m - pair.radii_m, 0.0) * (1 + 1e-6) + 0x1p-149);
       if (apart_m > pair.margin_m || apart_m >= best_m) return;

@@ -118,9 +118,11 @@ bool StateSearch::leavesFloats() const {
                      [&](const StatePair& pair) { return leaves(pair.a_id) || leaves(pair.b_id); });
 }
 
-// Returns whether two bodies may be at most `distance_m` apart, by boxes in the scene frame.
+// Returns whether the distance of two bodies, rounded to float32, may be at most `distance_m`, by
+// boxes in the scene frame.
 bool StateSearch::mayBeWithin(const StatePair& pair, float distance_m) const {
   if (pair.a->empty() || pair.b->empty()) return false;
+  if (distance_m > 0) distance_m = std::nextafter(distance_m, INFINITY);
   const Aabb &a = boxes_[pair.a_id], &b = boxes_[pair.b_id];
   return !isFiniteBox(a) || !isFiniteBox(b) || !areApart(a, b, distance_m);
 }

@@ -172,6 +172,44 @@ TEST_P(StatesSuite, TellApartTheNearestOfTies) {
   EXPECT_EQ(PairDecision::kNone, answers[4].decision);
 }
 
+// Gaps along an axis that are above a distance in real numbers, and round to it.
+TEST_P(StatesSuite, RoundDistancesAsDetectorsDo) {
+  for (const bool by_radius : {true, false}) {
+    Scene scene = pairScene({{-1, 0, 0, -1e-9F, 0, 0, -1, 1, 0}, {0, 1, 2}},
+                            {{0.5F, 0, 0, 2, 0, 0, 2, 1, 0}, {0, 1, 2}});
+    for (const BodyId id : {0U, 1U}) {
+      if (by_radius) scene.setRadius(id, 0.25F);
+      if (!by_radius) scene.setMargin(id, 0.5F);
+    }
+    const auto answers = expectSame(scene, {{0}, {RigidTransform()}});
+    EXPECT_EQ(by_radius ? PairDecision::kContact : PairDecision::kNear, answers[0].decision);
+  }
+}
+
+// Poses far from the origin bring points that are far from their body's origin back to it, so that
+// what is left is small beside the numbers that it was computed from.
+TEST_P(StatesSuite, BoundDistancesWhereSizesCancel) {
+  Dice dice(1);
+  for (int round = 0; round < 300; ++round) {
+    Scene scene;
+    for (BodyId id = 0; id < 2; ++id) {
+      TriangleMesh grains;
+      for (std::uint32_t i = 0; i < 3; ++i) {
+        const auto x = static_cast<float>((id == 0 ? 1000 : 0) + dice.either());
+        grains.vertices.insert(grains.vertices.end(), {x, static_cast<float>(dice.either()), 0});
+        grains.triangles.insert(grains.triangles.end(), {i, i, i});
+      }
+      scene.addBody("body " + std::to_string(id), grains);
+      scene.setMargin(id, 2);
+    }
+    scene.setPairEnabled(0, 1, true);
+    RigidTransform pose;
+    pose.translation[0] = -1000 + dice.either();
+    expectSame(scene, {{0}, {pose}});
+    if (HasFailure()) return;
+  }
+}
+
 TEST_P(StatesSuite, LookOnlyAtPairsWithAMovedBody) {
   Scene scene;
   for (BodyId id = 0; id < 3; ++id) {
