@@ -70,7 +70,7 @@ void describe(CommandLine* line, SceneObject* object) {
   line->add("--margin", &object->margin_m,
             "Bullet keeps the vertices of a cloth, volume or file so far from links [m]",
             isPositive());
-  line->add("--step", &object->step_s, "longest step of the simulation [s]", isPositive());
+  line->add("--step", &object->step_s, "longest step of the simulation [s]", inRange(1e-5, 1.0));
   line->add("--floor", &object->floor_m, "height of a table below what is simulated [m]");
 }
 
