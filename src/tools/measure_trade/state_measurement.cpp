@@ -14,7 +14,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
-double partOf(std::size_t part, std::size_t all) {
+double shareOfStates(std::size_t part, std::size_t all) {
   return all == 0 ? 0 : static_cast<double>(part) / static_cast<double>(all);
 }
 
@@ -94,8 +94,8 @@ std::string statesCsv(const std::vector<StateMeasurement>& all) {
     text += m.way + "," + (m.nearest ? "nearest" : "touch") + "," + std::to_string(m.threads) +
             "," + std::to_string(m.batch) + "," + numberText(median(m.us)) + "," +
             numberText(percentile(m.us, 0.95)) + "," + std::to_string(m.states) + "," +
-            numberText(partOf(m.false_free, m.states)) + "," +
-            numberText(partOf(m.false_blocked, m.states)) + "\n";
+            numberText(shareOfStates(m.false_free, m.states)) + "," +
+            numberText(shareOfStates(m.false_blocked, m.states)) + "\n";
   }
   return text;
 }
@@ -119,8 +119,8 @@ std::string statesJson(const std::string& command, const SceneStates& states,
                             {"batch", m.batch},
                             {"median_us", median(m.us)},
                             {"p95_us", percentile(m.us, 0.95)},
-                            {"false_free", partOf(m.false_free, m.states)},
-                            {"false_blocked", partOf(m.false_blocked, m.states)}});
+                            {"false_free", shareOfStates(m.false_free, m.states)},
+                            {"false_blocked", shareOfStates(m.false_blocked, m.states)}});
   }
   return jsonText(json);
 }
@@ -132,8 +132,8 @@ std::string statesText(const std::vector<StateMeasurement>& all) {
         "  %-16s %-7s %2d threads, %6zu states a batch: median %9.2f us a state, "
         "p95 %9.2f us; false free %5.2f %%, false blocked %5.2f %%\n",
         m.way.c_str(), m.nearest ? "nearest" : "touch", m.threads, m.batch, median(m.us),
-        percentile(m.us, 0.95), 100 * partOf(m.false_free, m.states),
-        100 * partOf(m.false_blocked, m.states));
+        percentile(m.us, 0.95), 100 * shareOfStates(m.false_free, m.states),
+        100 * shareOfStates(m.false_blocked, m.states));
   }
   return text;
 }
