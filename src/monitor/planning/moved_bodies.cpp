@@ -2,18 +2,88 @@
 #include "monitor/planning/moved_bodies.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <utility>
 
 #include "monitor/cycle/rigid_place.h"
 
 namespace deformable_contact_monitor {
+namespace {
+
+constexpr int kMostFrames = 1000;  // above a frame: TF has no loops, unless it changes meanwhile
+
+// Returns the frame that is above this one in TF at present; empty: there is none.
+std::string frameAbove(const std::string& frame, const tf2::BufferCore& transforms) {
+  std::string parent;
+  return transforms._getParent(frame, ros::Time(0), parent) ? parent : "";
+}
+
+// Joins robots that stand on one another. Where TF has a robot's root below a link of another
+// robot, a floating joint between the two is added: what TF says of it at present holds in each
+// state.
+class JoinedRobots {
+ public:
+  JoinedRobots(std::vector<RobotJoint> joints, const MonitorParameters& parameters)
+      : joints_(std::move(joints)) {
+    for (const RobotJoint& joint : joints_) {
+      parents_.emplace(joint.child, joint.parent);
+      links_.emplace(parameters.frameOf(joint.child), joint.child);
+    }
+    for (const RobotJoint& joint : joints_) {
+      if (parents_.count(joint.parent) > 0) continue;
+      links_.emplace(parameters.frameOf(joint.parent), joint.parent);
+      roots_.emplace(joint.parent, parameters.frameOf(joint.parent));
+    }
+  }
+
+  std::vector<RobotJoint> join(const tf2::BufferCore& transforms) && {
+    if (roots_.size() < 2) return std::move(joints_);
+    for (const auto& [root, frame] : roots_) {
+      std::string above = frame;
+      for (int i = 0; i < kMostFrames; ++i) {
+        above = frameAbove(above, transforms);
+        const auto link = links_.find(above);
+        if (above.empty() || (link != links_.end() && joinTo(link->second, root))) break;
+      }
+    }
+    return std::move(joints_);
+  }
+
+ private:
+  // Returns false for a link of the same robot, or of one that stands on it.
+  bool joinTo(const std::string& link, const std::string& root) {
+    std::string lowest = link;
+    for (std::size_t i = 0; i < parents_.size() && lowest != root; ++i) {
+      const auto parent = parents_.find(lowest);
+      if (parent == parents_.end()) break;
+      lowest = parent->second;
+    }
+    if (lowest == root || parents_.count(lowest) > 0) return false;
+    RobotJoint joint;
+    joint.name = "'" + root + "' on '" + link + "'";
+    joint.parent = link;
+    joint.child = root;
+    joint.type = RobotJoint::Type::kFloating;
+    joints_.push_back(std::move(joint));
+    parents_.emplace(root, link);
+    return true;
+  }
+
+  std::vector<RobotJoint> joints_;
+  std::map<std::string, std::string> parents_;  // links, by the links that they carry
+  std::map<std::string, std::string> links_;    // by frame
+  std::map<std::string, std::string> roots_;    // frames, by link
+};
+
+}  // namespace
 
 MovedBodies::MovedBodies(const std::vector<RobotJoint>& joints,
                          const std::vector<std::string>& names, const MonitorScene& scene,
                          const MonitorParameters& parameters, const tf2::BufferCore& transforms)
     : parameters_(parameters),
       transforms_(transforms),
-      motion_(joints, names),
+      motion_(JoinedRobots(joints, parameters).join(transforms), names),
       bodies_(scene.firstObject()),
       links_(motion_.movedLinks().size()) {
   for (BodyId id = 0; id < bodies_.size(); ++id) findCarrier(scene.placeOf(id), &bodies_[id]);
@@ -22,7 +92,6 @@ MovedBodies::MovedBodies(const std::vector<RobotJoint>& joints,
 // Walks from the body's frame up to the root of TF until it meets a link that moves. A link's own
 // frame is met at once. Of a link whose joint is missing in the URDF nothing is known.
 void MovedBodies::findCarrier(const FramePlace& place, MovedBody* body) const {
-  constexpr int kMostFrames = 1000;  // TF has no loops, unless it changes meanwhile
   const std::vector<std::string>& links = motion_.movedLinks();
   std::string frame = place.frame;
   for (int i = 0; i < kMostFrames; ++i) {
@@ -36,9 +105,8 @@ void MovedBodies::findCarrier(const FramePlace& place, MovedBody* body) const {
       if (frame != place.frame) body->frame = place.frame;
       return;
     }
-    std::string parent;
-    if (!transforms_._getParent(frame, ros::Time(0), parent) || parent.empty()) return;
-    frame = std::move(parent);
+    frame = frameAbove(frame, transforms_);
+    if (frame.empty()) return;
   }
 }
 

@@ -19,8 +19,9 @@ namespace deformable_contact_monitor {
 
 // The links that named joints move, and the rigid objects that go with these links: those whose TF
 // frame is a link's, or is below it in TF, and those that such a link carries (~attach_object). A
-// mesh never moves with the robot, also one that was seen from a link, or that a link holds. One
-// thread at a time.
+// robot whose root is below a link of another robot in TF is carried by that link. A mesh never
+// moves with the robot, also one that was seen from a link, or that a link holds. One thread at a
+// time.
 class MovedBodies {
  public:
   // Finds out which bodies of the scene move. All arguments must outlive this. Throws

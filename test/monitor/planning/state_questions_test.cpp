@@ -1,12 +1,10 @@
-// Tests questions about states: what moves with the joints, by which rules pairs are looked at, and
-// what is not known or refused. The answers are those of cycles in which TF has the same poses.
+// Tests questions about states: by which rules pairs are looked at, and what is not known or
+// refused. The answers are those of cycles in which TF has the same poses.
 #include "monitor/planning/state_questions.h"
 
 #include <deformable_contact_monitor/ContactState.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <boost/make_shared.hpp>
 #include <cmath>
 #include <future>
 #include <limits>
@@ -18,127 +16,11 @@
 #include <vector>
 
 #include "core/cpu_detector.h"
+#include "planning/state_questions_support.h"
 #include "refusal.h"
 
 namespace deformable_contact_monitor {
 namespace {
-
-using Names = std::vector<std::string>;
-
-// An arm of 1 m that turns about z, and a hand at its end that slides outwards.
-constexpr const char* kRobot = R"(<robot name="test">
-  <link name="base"/>
-  <link name="arm"><collision><origin xyz="0.5 0 0"/><geometry><box size="1 0.1 0.1"/></geometry>
-    </collision></link>
-  <link name="hand"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
-  <joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
-    <limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
-  <joint name="slide" type="prismatic"><parent link="arm"/><child link="hand"/>
-    <origin xyz="1 0 0"/><axis xyz="1 0 0"/>
-    <limit lower="0" upper="1" effort="1" velocity="1"/></joint>
-</robot>)";
-constexpr double kFree = 0, kAtCloth = M_PI / 2;  // positions of `turn`
-
-std::string noFile(const std::string& uri) { throw std::runtime_error(uri); }
-
-MonitorParameters parameters() {
-  MonitorParameters p;
-  p.reference_frame = "base";
-  p.objects = {{"cloth", "", 0.25F, true}};
-  p.objects[0].parts = {{"low", {{0, 0}}}};
-  p.pair_classes = {true, false, false, false, true, false};
-  p.margin_m = 0.25F;
-  p.max_mesh_age_s = 0.5;
-  p.tf_timeout_s = 0;
-  const TriangleMesh rod{{0, -.0625F, 0, 0.25F, .0625F, 0, 0, 0, .0625F}, {0, 1, 2}};
-  p.rigids.push_back({"tool", "tool_tip", std::make_shared<const TriangleMesh>(rod)});
-  return p;
-}
-
-class StateQuestionsTest : public ::testing::Test {
- protected:
-  StateQuestionsTest() {
-    robot_ = load({{kRobot, "", "", {}}});
-    give();
-    put("arm", "base", 0);
-    put("hand", "arm", 1);
-    put("tool_tip", "base", -5);
-  }
-
-  static std::shared_ptr<const RobotGeometry> load(const std::vector<RobotDescription>& robots) {
-    return std::make_shared<const RobotGeometry>(loadRobots(robots, {}, noFile));
-  }
-
-  // A sheet in the plane x = 0 at y of 0.8 to 1.2, of two triangles.
-  void give(float x = 0, const std::string& frame = "base") {
-    auto message = boost::make_shared<DeformableMesh>();
-    message->header.stamp = now_;
-    message->header.frame_id = frame;
-    message->topology_id = 3;
-    message->vertices = {x, 0.8F, -.5F, x, 1.2F, -.5F, x, 1.2F, .5F, x, 0.8F, .5F};
-    message->triangles = {0, 1, 2, 0, 2, 3};
-    IncomingMesh mesh{message};
-    meshes()[0].store(mesh);
-    meshes()[0].take(now_, &mesh);
-    EXPECT_EQ(mesh.problem, "");
-  }
-
-  MeshInputs& meshes() {
-    if (meshes_.empty()) meshes_ = makeMeshInputs(parameters_);
-    return meshes_;
-  }
-
-  void put(const std::string& frame, const std::string& parent, double x, double angle = 0) {
-    putInto(&transforms_, frame, parent, x, angle);
-  }
-  void putInto(tf2::BufferCore* buffer, const std::string& frame, const std::string& parent,
-               double x, double angle) {
-    geometry_msgs::TransformStamped t;
-    t.header.frame_id = parent;
-    t.header.stamp = now_;
-    t.child_frame_id = frame;
-    t.transform.translation.x = x;
-    t.transform.rotation.z = std::sin(angle / 2);
-    t.transform.rotation.w = std::cos(angle / 2);
-    buffer->setTransform(t, "test");
-  }
-
-  StateQuestions& questions() {
-    if (!questions_) {
-      questions_ = std::make_unique<StateQuestions>(
-          parameters_,
-          QuestionSources{requests_, meshes(), transforms_, [this] { return robot_; },
-                          [this] { return now_; }},
-          makeCpuStateChecker());
-    }
-    return *questions_;
-  }
-
-  StatesChecked ask(const std::vector<double>& positions, const Names& joints = {"turn"},
-                    float margin = 0, const Names& objects = {}) {
-    StatesToCheck question;
-    question.positions = positions;
-    question.joint_names = joints;
-    question.margin = margin;
-    question.objects = objects;
-    return questions().answer(question);
-  }
-
-  // Returns a letter for each state, and the reason unless it is empty.
-  std::string states(const StatesChecked& answer) {
-    std::string text;
-    for (const std::uint8_t state : answer.state) text += std::string("-nCa?P").at(state);
-    return text + (answer.reason.empty() ? "" : " " + answer.reason);
-  }
-
-  MonitorParameters parameters_ = parameters();
-  ros::Time now_{100};
-  LoopRequests requests_{AllowedContacts()};
-  MeshInputs meshes_;
-  tf2::BufferCore transforms_;
-  std::shared_ptr<const RobotGeometry> robot_;
-  std::unique_ptr<StateQuestions> questions_;
-};
 
 // A cycle whose transforms have the links where the joints put them finds the same.
 TEST_F(StateQuestionsTest, StatesAreThoseOfCycles) {
@@ -186,91 +68,13 @@ TEST_F(StateQuestionsTest, StatesAreThoseOfCycles) {
   EXPECT_EQ(counts.size(), 3U);
 }
 
-TEST_F(StateQuestionsTest, JointsThatAreNotNamedStayWhereTfHasThem) {
-  now_ += ros::Duration(0.125);
-  put("arm", "base", 0, 1);
-  put("hand", "arm", 2);  // a slide of 1, from where the hand does not reach back to the sheet
-  const StatesChecked answer = ask({kFree, kAtCloth}, {"turn"}, 1);
-  EXPECT_EQ(answer.stamp, now_);
-  EXPECT_EQ(states(answer), "nC");
-  EXPECT_EQ(answer.link[1], "arm");
-  EXPECT_EQ(states(ask({kAtCloth, 0.1, kAtCloth, 0.9}, {"turn", "slide"})), "CC");
-  // Only the hand moves, so the arm does not count.
-  now_ += ros::Duration(0.125);
-  give();
-  put("hand", "arm", 1);
-  put("tool_tip", "base", -5);
-  put("arm", "base", 0, kAtCloth);
-  EXPECT_EQ(states(ask({0.1, 0.9}, {"slide"})), "C-");
-}
-
-TEST_F(StateQuestionsTest, ARigidObjectGoesWithTheLinkAboveItInTf) {
-  parameters_.pair_classes = {false, false, false, false, true, true};
-  const Names turn{"turn"}, cloth{"cloth"};
-  EXPECT_EQ(states(ask({kAtCloth}, turn, 0, cloth)),
-            " object 'cloth' has no monitored pair with anything that these joints move "
-            "(~pair_classes, ~links)");
-  now_ += ros::Duration(0.0625);
-  put("mount", "hand", -0.125);
-  put("tool_tip", "mount", 0.0625);
-  put("arm", "base", 0, 0.5);
-  put("hand", "arm", 1);
-  EXPECT_EQ(states(ask({kFree, kAtCloth}, turn, 0, cloth)), "-C");
-  EXPECT_EQ(ask({kAtCloth}, turn, 0, cloth).link, Names{"tool"});
-  EXPECT_TRUE(ask({kAtCloth}, turn, 0, {"tool"}).object_stamps[0].isZero());
-}
-
-TEST_F(StateQuestionsTest, AnAttachedRigidObjectGoesWithItsLink) {
-  parameters_.pair_classes = {false, false, false, false, true, true};
-  const Names turn{"turn"}, cloth{"cloth"};
-  RigidGrip grip{"hand", {}};
-  grip.link_from_object.translation[0] = -0.125;
-  requests_.attach("tool", {"hand"}, nullptr, std::make_shared<const RigidGrip>(grip));
-  const StatesChecked answer = ask({kFree, kAtCloth}, turn, 0, cloth);
-  EXPECT_EQ(states(answer), "-C");
-  EXPECT_EQ(answer.link[1], "tool");
-  requests_.attach("tool", {});
-  EXPECT_FALSE(ask({kFree}, turn, 0, cloth).success);
-}
-
-TEST_F(StateQuestionsTest, AMeshStaysAlsoIfALinkSawIt) {
-  now_ += ros::Duration(0.125);
-  put("arm", "base", 0, 0);
-  put("hand", "arm", 0);
-  put("tool_tip", "base", -5);
-  give(0, "hand");
-  EXPECT_EQ(states(ask({kFree, kAtCloth})), "-C");
-}
-
-TEST_F(StateQuestionsTest, LinksOfARobotThatStandsOnAnotherGoWithIt) {
-  robot_ = load({{kRobot, "", "", {}}, {kRobot, "", "top/", {}}});
-  requests_.changeAllowedContacts({false, {}, {[] {
-                                     AllowedContact rule;
-                                     rule.body_a = "arm";
-                                     rule.body_b = "cloth";
-                                     rule.allowed = true;
-                                     return rule;
-                                   }()}});
-  put("top/base", "arm", 0.5);
-  put("top/arm", "top/base", 0);
-  put("top/hand", "top/arm", 1);
-  const StatesChecked answer = ask({kFree, kAtCloth});
-  EXPECT_EQ(states(answer), "-C");
-  EXPECT_EQ(ask({0.5}, {"top/turn"}).state.size(), 1U);
-}
-
 TEST_F(StateQuestionsTest, RulesPartsAndHoldsAreThoseInForce) {
-  const auto rule = [](const std::string& body_a, const std::string& body_b) {
-    AllowedContact allowed;
-    allowed.body_a = body_a;
-    allowed.body_b = body_b;
-    allowed.allowed = true;
-    return allowed;
-  };
   EXPECT_EQ(states(ask({kAtCloth})), "C");
-  requests_.changeAllowedContacts({false, {}, {rule("arm", "cloth"), rule("hand", "cloth:low")}});
+  requests_.changeAllowedContacts(
+      {false, {}, {allowed("arm", "cloth"), allowed("hand", "cloth:low")}});
   EXPECT_EQ(states(ask({kAtCloth})), "C") << "the hand touches the rest of the sheet";
-  requests_.changeAllowedContacts({false, {}, {rule("hand", "cloth:*"), rule("hand", "cloth")}});
+  requests_.changeAllowedContacts(
+      {false, {}, {allowed("hand", "cloth:*"), allowed("hand", "cloth")}});
   EXPECT_EQ(states(ask({kAtCloth})), "-");
   requests_.changeAllowedContacts({true, {}, {}});
   EXPECT_EQ(states(ask({kAtCloth})), "C");
@@ -339,12 +143,6 @@ TEST_F(StateQuestionsTest, OldMeshesAndTransformsAreUnknown) {
   EXPECT_EQ(states(ask({kFree})),
             "? the newest transforms are 0.750000 s old, and max_mesh_age_s less");
   EXPECT_EQ(states(ask({kFree, 0}, {"turn", "slide"})), "-") << "this needs no transform";
-}
-
-TEST_F(StateQuestionsTest, WithoutTheTransformOfAStillJointAllIsUnknown) {
-  transforms_.clear();
-  EXPECT_EQ(states(ask({kFree})), "? TF from 'arm' to 'base' never seen");
-  EXPECT_EQ(states(ask({kFree, 0}, {"turn", "slide"})), "-");
 }
 
 TEST_F(StateQuestionsTest, WhatCannotBeAnsweredIsRefused) {
