@@ -49,13 +49,15 @@ struct CycleTrigger {
 
 // What a question about states of the robot is about (monitor/planning), by body.
 struct StatesAsked {
-  std::vector<bool> moved;  // links and rigid objects that the states pose
-  std::vector<bool> asked;  // bodies that are asked about
+  std::vector<bool> moved;    // links and rigid objects that the states pose
+  std::vector<bool> unclear;  // those of which nobody knows whether they move along
+  std::vector<bool> asked;    // bodies that are asked about
 
   // Returns whether the states decide about this pair.
   bool has(const MonitoredPair& pair) const {
-    return (moved[pair.a] || moved[pair.b]) && (asked[pair.a] || asked[pair.b]);
+    return (mayMove(pair.a) || mayMove(pair.b)) && (asked[pair.a] || asked[pair.b]);
   }
+  bool mayMove(BodyId id) const { return moved[id] || unclear[id]; }
 };
 
 // Returns the mesh to use of an object, or null and why there is none. The mesh must live until the

@@ -19,6 +19,16 @@ std::string frameAbove(const std::string& frame, const tf2::BufferCore& transfor
   return transforms._getParent(frame, ros::Time(0), parent) ? parent : "";
 }
 
+// Returns the frame at the top of the tree that this one is in.
+std::string rootFrame(std::string frame, const tf2::BufferCore& transforms) {
+  for (int i = 0; i < kMostFrames; ++i) {
+    std::string above = frameAbove(frame, transforms);
+    if (above.empty()) break;
+    frame = std::move(above);
+  }
+  return frame;
+}
+
 // Joins robots that stand on one another. Where TF has a robot's root below a link of another
 // robot, a floating joint between the two is added: what TF says of it at present holds in each
 // state.
@@ -86,12 +96,16 @@ MovedBodies::MovedBodies(const std::vector<RobotJoint>& joints,
       motion_(JoinedRobots(joints, parameters).join(transforms), names),
       bodies_(scene.firstObject()),
       links_(motion_.movedLinks().size()) {
-  for (BodyId id = 0; id < bodies_.size(); ++id) findCarrier(scene.placeOf(id), &bodies_[id]);
+  const std::string root = rootFrame(parameters.reference_frame, transforms);
+  for (BodyId id = 0; id < bodies_.size(); ++id) {
+    findCarrier(scene.placeOf(id), joints, root, &bodies_[id]);
+  }
 }
 
-// Walks from the body's frame up to the root of TF until it meets a link that moves. A link's own
-// frame is met at once. Of a link whose joint is missing in the URDF nothing is known.
-void MovedBodies::findCarrier(const FramePlace& place, MovedBody* body) const {
+// Walks from the body's frame up to `root`, that of the reference frame, until it meets a link that
+// moves. A link's own frame is met at once. Where TF ends before, the URDF leads on.
+void MovedBodies::findCarrier(const FramePlace& place, const std::vector<RobotJoint>& joints,
+                              const std::string& root, MovedBody* body) const {
   const std::vector<std::string>& links = motion_.movedLinks();
   std::string frame = place.frame;
   for (int i = 0; i < kMostFrames; ++i) {
@@ -105,9 +119,16 @@ void MovedBodies::findCarrier(const FramePlace& place, MovedBody* body) const {
       if (frame != place.frame) body->frame = place.frame;
       return;
     }
-    frame = frameAbove(frame, transforms_);
-    if (frame.empty()) return;
+    if (frame == root) return;
+    std::string above = frameAbove(frame, transforms_);
+    const auto joint = std::find_if(joints.begin(), joints.end(), [&](const RobotJoint& one) {
+      return above.empty() && parameters_.frameOf(one.child) == frame;
+    });
+    if (joint != joints.end()) above = parameters_.frameOf(joint->parent);
+    if (above.empty()) break;
+    frame = std::move(above);
   }
+  body->is_unclear = true;
 }
 
 std::vector<std::string> MovedBodies::presentFrames() const {

@@ -32,6 +32,9 @@ class MovedBodies {
 
   // Returns whether the states move a body of the scene.
   bool isMoved(BodyId id) const { return id < bodies_.size() && bodies_[id].is_moved; }
+  // Returns whether nobody knows if they do, as neither TF nor the URDF connects the body to the
+  // reference frame.
+  bool isUnclear(BodyId id) const { return id < bodies_.size() && bodies_[id].is_unclear; }
 
   // Returns the TF frames whose present poses are needed, but for the reference frame.
   std::vector<std::string> presentFrames() const;
@@ -48,14 +51,15 @@ class MovedBodies {
 
  private:
   struct MovedBody {
-    bool is_moved = false;
+    bool is_moved = false, is_unclear = false;
     std::size_t link = 0;     // among the motion's moved links
     std::string frame{};      // of a rigid object, below that of the link; empty: they are the same
     RigidTransform in_frame;  // where the body is in its frame
     RigidTransform in_link;   // where the body is in the link's frame
   };
 
-  void findCarrier(const FramePlace& place, MovedBody* body) const;
+  void findCarrier(const FramePlace& place, const std::vector<RobotJoint>& joints,
+                   const std::string& root, MovedBody* body) const;
 
   const MonitorParameters& parameters_;
   const tf2::BufferCore& transforms_;

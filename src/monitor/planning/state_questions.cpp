@@ -244,6 +244,7 @@ StatesAsked StateQuestions::pairsOf(const StatesToCheck& question, const MovedBo
   std::vector<std::string> objects;
   for (BodyId id = 0; id < bodies.size(); ++id) {
     asked.moved.push_back(moved.isMoved(id));
+    asked.unclear.push_back(moved.isUnclear(id));
     asked.asked.push_back(question.objects.empty());
     if (id >= scene_.firstRigid()) objects.push_back(bodies[id].name);
   }
@@ -351,7 +352,7 @@ std::string StateQuestions::whyUnknown(const StatesAsked& asked) const {
   for (const MonitoredPair& pair : scene_.pairs()) {
     if (pair.allowed || !asked.has(pair)) continue;
     for (const BodyId id : {pair.a, pair.b}) {
-      if (!scene_.bodies()[id].unknown_because.empty()) unknown.insert(id);
+      if (asked.unclear[id] || !scene_.bodies()[id].unknown_because.empty()) unknown.insert(id);
     }
   }
   std::string text;
@@ -360,7 +361,9 @@ std::string StateQuestions::whyUnknown(const StatesAsked& asked) const {
     if (shown++ == kShown)
       return text + "; and " + std::to_string(unknown.size() - kShown) + " more";
     const BodyStatus& body = scene_.bodies()[id];
-    text += (text.empty() ? "" : "; ") + body.name + ": " + body.unknown_because;
+    text += (text.empty() ? "" : "; ") + body.name + ": ";
+    if (asked.unclear[id]) text += "nobody knows whether it moves along: ";
+    text += body.unknown_because;
   }
   return text;
 }

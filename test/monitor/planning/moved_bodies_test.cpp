@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "planning/state_questions_support.h"
+#include "refusal.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -66,6 +67,7 @@ TEST_F(MovedBodiesTest, LinksOfARobotThatStandsOnAnotherGoWithIt) {
 
 TEST_F(MovedBodiesTest, WithoutTheTransformOfAStillJointAllIsUnknown) {
   transforms_.clear();
+  put("tool_tip", "base", -5);
   EXPECT_EQ(states(ask({kFree})), "? TF from 'arm' to 'base' never seen");
   EXPECT_EQ(states(ask({kFree, 0}, {"turn", "slide"})), "-");
 }
@@ -113,6 +115,31 @@ TEST_F(MovedBodiesTest, ARobotWhoseRootIsBelowItsOwnLinkInTfIsNotOnAnother) {
   put("hand", "arm", 1);
   put("tool_tip", "arm", -5);
   EXPECT_EQ(states(ask({kFree, kAtCloth})), "-C");
+}
+
+TEST_F(MovedBodiesTest, WhatMayMoveAlongLeavesItOpen) {
+  const auto put_arm = [&] {
+    transforms_.clear();
+    put("arm", "base", 0);
+    put("hand", "arm", 1);
+  };
+  put_arm();
+  const std::string open =
+      "?C tool: nobody knows whether it moves along: TF from 'tool_tip' to 'base' never seen";
+  EXPECT_EQ(states(ask({kFree, kAtCloth})), open);
+  EXPECT_EQ(states(ask({kFree, kAtCloth}, {"turn"}, 0, {"cloth"})), open);
+  put("tool_tip", "mount", 1);
+  EXPECT_EQ(states(ask({kFree})).substr(0, 6), "? tool") << "the mount may be on the arm";
+  requests_.changeAllowedContacts({false, {}, {allowed("tool", "cloth")}});
+  EXPECT_EQ(states(ask({kFree, kAtCloth})), "-C");
+  requests_.changeAllowedContacts({true, {}, {}});
+  put("mount", "hand", 0);
+  EXPECT_EQ(states(ask({kFree, kAtCloth})), "-C");
+
+  robot_ = load({{kRobot, "", "", {}}, {kRobot, "", "other/", {}}});
+  expectIn("? other/arm: nobody knows whether it moves along: TF frame", states(ask({kFree})));
+  put("other/base", "base", -5);
+  EXPECT_EQ(states(ask({kFree})), "-") << "the URDF has its links on its base";
 }
 
 }  // namespace
