@@ -17,7 +17,9 @@ LoopRequests::LoopRequests(AllowedContacts allowed)
 
 InForce LoopRequests::inForce() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return in_force_;
+  InForce in_force = in_force_;
+  in_force.discards = requests_.reset || requests_.disabled;
+  return in_force;
 }
 
 std::vector<AllowedContact> LoopRequests::changeAllowedContacts(

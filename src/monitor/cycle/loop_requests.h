@@ -36,6 +36,8 @@ struct InForce {
   std::shared_ptr<const AttachedObjects> attached;
   std::optional<LiveParameters> live;  // nothing: as at the start
   bool enabled = true;
+  // The detection thread has not yet taken the request to discard everything known.
+  bool discards = false;
 };
 
 // Collects what services, rqt_reconfigure and the robot source ask of the detection thread, and

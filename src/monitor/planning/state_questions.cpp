@@ -1,19 +1,17 @@
 // Answers what planners ask. check() is the place to start reading.
 #include "monitor/planning/state_questions.h"
 
-#include <deformable_contact_monitor/ContactState.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <map>
 #include <set>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 
+#include "monitor/planning/answer_writer.h"
 #include "monitor/state/rejected_sides.h"
 #include "monitor/time_difference.h"
 #include "robot/nearest_name.h"
@@ -46,6 +44,25 @@ void requireNumbers(const StatesToCheck& question) {
   if (question.max_time < ros::Duration()) refuseQuestion("max_time is negative");
 }
 
+// Returns why something of that age says nothing about the present; empty: it does. After the clock
+// went back, what is ahead of it is of the time before.
+std::string presentProblem(const std::string& what, double age_s, double max_age_s) {
+  constexpr double kMostAheadS = 1;  // as for cycles
+  const bool is_ahead = age_s < -kMostAheadS;
+  if (age_s <= max_age_s && !is_ahead) return "";
+  char text[64];
+  std::snprintf(text, sizeof text, " %.3f s %s", std::abs(age_s),
+                is_ahead ? "ahead of the clock" : "old");
+  return what + text;
+}
+
+// Returns which of the limits is reached; empty: none.
+std::string reachedLimit(const Limits& limits) {
+  if (limits.stop != nullptr && *limits.stop) return "stopped";
+  if (limits.deadline == SteadyTime::max()) return "";
+  return std::chrono::steady_clock::now() >= limits.deadline ? kNoTime : "";
+}
+
 // Gives all bodies one margin, and their own again when it goes out of scope. A negative margin
 // leaves them as they are.
 class MarginOfQuestion {
@@ -72,78 +89,6 @@ class MarginOfQuestion {
   Scene* const scene_;
   std::vector<std::pair<float, std::map<PartId, float>>> own_;
 };
-
-// Appends the results of some states to the answer.
-class Results {
- public:
-  // `unknown_because` says why NONE and NEAR are not known; empty: they are.
-  Results(const MonitorScene& scene, const StatesAsked& asked, bool with_names,
-          std::string unknown_because, StatesChecked* answer)
-      : scene_(scene),
-        asked_(asked),
-        with_names_(with_names),
-        unknown_because_(std::move(unknown_because)),
-        answer_(answer) {}
-
-  void add(const StateResults& results) {
-    auto touching = results.pairs.begin();
-    for (std::size_t i = 0; i < results.states.size(); ++i) {
-      const StateAnswer& found = results.states[i];
-      const std::uint8_t state = toState(found.decision);
-      answer_->state.push_back(state);
-      if (state == ContactState::UNKNOWN && answer_->reason.empty()) {
-        answer_->reason = whyUnknown(results);
-      }
-      if (!with_names_) continue;
-      while (touching != results.pairs.end() && touching->state < i) ++touching;
-      const bool is_listed = touching != results.pairs.end() && touching->state == i;
-      addNames(state, found, is_listed ? &*touching : nullptr);
-    }
-  }
-
- private:
-  std::uint8_t toState(PairDecision decision) const {
-    if (decision == PairDecision::kContact) return ContactState::CONTACT;
-    if (decision == PairDecision::kOpen || !unknown_because_.empty()) return ContactState::UNKNOWN;
-    return decision == PairDecision::kNear ? ContactState::NEAR : ContactState::NONE;
-  }
-
-  std::string whyUnknown(const StateResults& results) const {
-    if (!unknown_because_.empty()) return unknown_because_;
-    return results.cut_off ? results.cut_off_because : "a pose makes vertices infinite";
-  }
-
-  void addNames(std::uint8_t state, const StateAnswer& found, const TouchingBodies* touching) {
-    const TrianglePair& nearest = found.nearest.pair;
-    BodyId a = touching != nullptr ? touching->body_a : nearest.body_a;
-    BodyId b = touching != nullptr ? touching->body_b : nearest.body_b;
-    if (!asked_.moved[a]) std::swap(a, b);
-    const bool is_near = state == ContactState::NEAR, is_contact = state == ContactState::CONTACT;
-    const bool has_names = is_near || is_contact;
-    answer_->link.push_back(has_names ? scene_.bodies()[a].name : "");
-    answer_->object.push_back(has_names ? scene_.bodies()[b].name : "");
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-    answer_->distance.push_back(is_contact                    ? 0
-                                : is_near                     ? found.nearest.distance_m
-                                : state == ContactState::NONE ? kInfinity
-                                                              : kNaN);
-  }
-
-  const MonitorScene& scene_;
-  const StatesAsked& asked_;
-  const bool with_names_;
-  const std::string unknown_because_;
-  StatesChecked* const answer_;
-};
-
-// Results of states of which the checker is not asked.
-StateResults resultsWithoutCheck(std::size_t count, PairDecision decision) {
-  StateResults results;
-  results.states.resize(count);
-  for (StateAnswer& state : results.states) state.decision = decision;
-  return results;
-}
 
 }  // namespace
 
@@ -213,10 +158,9 @@ void StateQuestions::check(const StatesToCheck& question, SteadyTime start, Stat
   const ObjectMeshes meshes = newestMeshes(asked, now, limits.deadline);
   answer->stamp = presentStamp(moved, asked, now);
   std::string unknown = moved.lookUp(answer->stamp, lookup_);
-  const double age_s = secondsBetween(now, answer->stamp);
-  if (unknown.empty() && age_s > parameters_.max_mesh_age_s) {
-    unknown =
-        "the newest transforms are " + std::to_string(age_s) + " s old, and max_mesh_age_s less";
+  if (unknown.empty()) {
+    unknown = presentProblem("the newest transforms are", secondsBetween(now, answer->stamp),
+                             parameters_.max_mesh_age_s);
   }
   const auto choose = [&](std::size_t object, std::string* why_not) -> const IncomingMesh* {
     *why_not = meshes[object].problem;
@@ -231,7 +175,7 @@ void StateQuestions::check(const StatesToCheck& question, SteadyTime start, Stat
   if (unknown.empty()) {
     checkStates(question, asked, limits, &moved, answer);
   } else {
-    Results(scene_, asked, !question.first_only, unknown, answer)
+    AnswerWriter(scene_, asked, !question.first_only, unknown, answer)
         .add(resultsWithoutCheck(answer->beyond_limits.size(), PairDecision::kOpen));
   }
 }
@@ -257,8 +201,9 @@ StatesAsked StateQuestions::pairsOf(const StatesToCheck& question, const MovedBo
     if (found == objects.end()) {
       refuseQuestion("there is no object '" + name + "'" + nearestNameHint(name, objects));
     }
-    StatesAsked of_one = asked;
     const auto id = scene_.firstRigid() + static_cast<BodyId>(found - objects.begin());
+    if (asked.asked[id]) continue;
+    StatesAsked of_one = asked;
     of_one.asked.assign(bodies.size(), false);
     of_one.asked[id] = asked.asked[id] = true;
     if (!has_pair(of_one)) {
@@ -277,6 +222,7 @@ StatesAsked StateQuestions::pairsOf(const StatesToCheck& question, const MovedBo
 StateQuestions::ObjectMeshes StateQuestions::newestMeshes(const StatesAsked& asked,
                                                           const ros::Time& now,
                                                           SteadyTime deadline) {
+  const bool discards = sources_.requests.inForce().discards;
   ObjectMeshes meshes(sources_.meshes.size());
   std::vector<FrameAtStamp> frames;
   std::set<BodyId> needed;
@@ -287,14 +233,14 @@ StateQuestions::ObjectMeshes StateQuestions::newestMeshes(const StatesAsked& ask
     ObjectMesh& one = meshes[i];
     one.mesh = sources_.meshes[i].newest(&one.problem);
     if (!one.mesh) continue;
-    const double age_s = secondsBetween(now, one.mesh->stamp());
     const std::string& frame = one.mesh->message->header.frame_id;
-    if (age_s > parameters_.max_mesh_age_s) {
-      char text[64];
-      std::snprintf(text, sizeof text, "newest mesh is %.3f s old", age_s);
-      one.problem = text;
-    } else if (needed.count(scene_.firstObject() + static_cast<BodyId>(i)) > 0 &&
-               plainFrame(frame) != parameters_.reference_frame) {
+    one.problem = discards
+                      ? "all meshes are about to be forgotten"
+                      : presentProblem("newest mesh is", secondsBetween(now, one.mesh->stamp()),
+                                       parameters_.max_mesh_age_s);
+    if (!one.problem.empty()) continue;
+    if (needed.count(scene_.firstObject() + static_cast<BodyId>(i)) > 0 &&
+        plainFrame(frame) != parameters_.reference_frame) {
       frames.push_back({plainFrame(frame), one.mesh->stamp()});
     }
   }
@@ -403,6 +349,23 @@ std::vector<BodyId> StateQuestions::posedBodies(const StatesAsked& asked) const 
   return posed;
 }
 
+// Poses the states of a batch, from `first` on. Returns which limit ended that; empty: none.
+std::string StateQuestions::poseStates(const StatesToCheck& question, std::size_t first,
+                                       const StateBatch& batch, const Limits& limits,
+                                       MovedBodies* moved, RigidTransform* poses) {
+  constexpr std::size_t kStatesBetweenLooks = 256;
+  const std::size_t joints = question.joint_names.size();
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    if (i % kStatesBetweenLooks == 0) {
+      std::string reached = reachedLimit(limits);
+      if (!reached.empty()) return reached;
+    }
+    moved->pose(&question.positions[(first + i) * joints], batch.moved,
+                poses + i * batch.moved.size());
+  }
+  return "";
+}
+
 // Poses and checks some thousand states at a time, which bounds the memory of the poses.
 void StateQuestions::checkStates(const StatesToCheck& question, const StatesAsked& asked,
                                  const Limits& limits, MovedBodies* moved, StatesChecked* answer) {
@@ -415,29 +378,29 @@ void StateQuestions::checkStates(const StatesToCheck& question, const StatesAske
   options.pairs = !question.first_only && !options.nearest;
   options.threads = threads_;
   options.limits = limits;
-  std::optional<Results> results;
+  std::optional<AnswerWriter> results;
   std::vector<RigidTransform> poses;
-  const std::size_t joints = question.joint_names.size(), states = answer->beyond_limits.size();
-  bool is_cut_off = false;
+  const std::size_t states = answer->beyond_limits.size();
+  std::string cut_off_because;
   for (std::size_t first = 0; first < states; first += kStatesAtOnce) {
     batch.count = std::min(kStatesAtOnce, states - first);
     poses.resize(batch.count * batch.moved.size());
-    for (std::size_t i = 0; i < batch.count && !batch.moved.empty(); ++i) {
-      moved->pose(&question.positions[(first + i) * joints], batch.moved,
-                  &poses[i * batch.moved.size()]);
-    }
     batch.poses = poses.data();
+    if (cut_off_because.empty() && !batch.moved.empty()) {
+      cut_off_because = poseStates(question, first, batch, limits, moved, poses.data());
+    }
     StateResults without_check;
     if (batch.moved.empty()) {
       without_check = resultsWithoutCheck(batch.count, PairDecision::kNone);
-    } else if (is_cut_off) {
+    } else if (!cut_off_because.empty()) {
       without_check = resultsWithoutCheck(batch.count, PairDecision::kOpen);
       without_check.cut_off = true;
+      without_check.cut_off_because = cut_off_because;
     }
     const bool is_checked = without_check.states.empty();
     const StateResults& found =
         is_checked ? checker_->check(scene_.scene(), batch, options) : without_check;
-    is_cut_off = is_cut_off || found.cut_off;
+    if (found.cut_off) cut_off_because = found.cut_off_because;
     if (!results) {
       std::string unknown = whyUnknown(asked);
       if (unknown.empty()) unknown = rejectsProblem(found.rejected, asked);

@@ -70,6 +70,9 @@ class StateQuestions {
   std::string rejectsProblem(const std::vector<RejectedPart>& rejected,
                              const StatesAsked& asked) const;
   std::vector<BodyId> posedBodies(const StatesAsked& asked) const;
+  static std::string poseStates(const StatesToCheck& question, std::size_t first,
+                                const StateBatch& batch, const Limits& limits, MovedBodies* moved,
+                                RigidTransform* poses);
   void checkStates(const StatesToCheck& question, const StatesAsked& asked, const Limits& limits,
                    MovedBodies* moved, StatesChecked* answer);
 

@@ -140,9 +140,28 @@ TEST_F(StateQuestionsTest, OldMeshesAndTransformsAreUnknown) {
   EXPECT_EQ(states(ask({kFree, kAtCloth})), "-C");
   now_ += ros::Duration(0.75);
   give();
-  EXPECT_EQ(states(ask({kFree})),
-            "? the newest transforms are 0.750000 s old, and max_mesh_age_s less");
+  EXPECT_EQ(states(ask({kFree})), "? the newest transforms are 0.750 s old");
   EXPECT_EQ(states(ask({kFree, 0}, {"turn", "slide"})), "-") << "this needs no transform";
+}
+
+// They are of the time before the clock went back.
+TEST_F(StateQuestionsTest, MeshesAndTransformsAheadOfTheClockAreUnknown) {
+  now_ -= ros::Duration(0.875);
+  EXPECT_EQ(states(ask({kFree, kAtCloth})), "-C");
+  now_ -= ros::Duration(1.125);
+  EXPECT_EQ(states(ask({kFree, 0}, {"turn", "slide"})),
+            "? cloth: newest mesh is 2.000 s ahead of the clock");
+  give();
+  EXPECT_EQ(states(ask({kFree, 0}, {"turn", "slide"})), "-");
+  EXPECT_EQ(states(ask({kFree})), "? the newest transforms are 2.000 s ahead of the clock");
+}
+
+// The detection loop forgets meshes in its next step only.
+TEST_F(StateQuestionsTest, AResetCountsAtOnce) {
+  requests_.requestReset();
+  EXPECT_EQ(states(ask({kFree, kAtCloth})), "?? cloth: all meshes are about to be forgotten");
+  requests_.take();
+  EXPECT_EQ(states(ask({kFree, kAtCloth})), "-C");
 }
 
 TEST_F(StateQuestionsTest, WhatCannotBeAnsweredIsRefused) {
@@ -165,7 +184,9 @@ TEST_F(StateQuestionsTest, WhatCannotBeAnsweredIsRefused) {
   requests_.setEnabled(false);
   EXPECT_EQ(why(), "the monitor is disabled (~set_enabled)");
   requests_.setEnabled(true);
-  EXPECT_TRUE(ask({kFree}).success);
+  EXPECT_EQ(states(ask({kFree})).front(), '?') << "the loop has not seen that it was disabled";
+  requests_.take();
+  EXPECT_EQ(states(ask({kFree})), "-");
 }
 
 // Begins a check and ends it when it is told to.
@@ -211,9 +232,48 @@ TEST_F(StateQuestionsTest, NobodyWaitsForAQuestion) {
   EXPECT_TRUE(answer.get().success);
 }
 
+// Decides nothing, and counts what it is asked.
+struct CountingChecker : StateChecker {
+  explicit CountingChecker(std::size_t* count) : states(count) {}
+  std::string backend() const override { return "counting"; }
+  const StateResults& check(const Scene& /*scene*/, const StateBatch& batch,
+                            const StateOptions& /*options*/) override {
+    *states += batch.count;
+    results.states.resize(batch.count);
+    return results;
+  }
+  void reset() override {}
+
+  std::size_t* const states;
+  StateResults results;
+};
+
 TEST_F(StateQuestionsTest, ARequestToStopEndsIt) {
   requests_.stop();
-  EXPECT_EQ(states(ask(std::vector<double>(20000, kAtCloth))).substr(19995), "????? stopped");
+  const std::vector<double> many(20000, kAtCloth);
+  EXPECT_EQ(states(ask(many)).substr(19995), "????? stopped");
+  std::size_t checked = 0;
+  StateQuestions counting(
+      parameters_,
+      {requests_, meshes(), transforms_, [this] { return robot_; }, [] { return ros::Time(100); }},
+      std::make_unique<CountingChecker>(&checked));
+  StatesToCheck question;
+  question.joint_names = {"turn"};
+  question.positions = many;
+  EXPECT_EQ(states(counting.answer(question)).substr(19995), "????? stopped");
+  EXPECT_EQ(checked, 0U) << "no state is posed, so there is nothing to check";
+}
+
+TEST_F(StateQuestionsTest, TimeMayRunOutBeforeAStateIsPosed) {
+  StatesToCheck question;
+  question.joint_names = {"turn"};
+  question.positions = {kFree, kAtCloth};
+  question.max_time = ros::Duration(0, 1);
+  EXPECT_EQ(states(questions().answer(question)), "?? no time");
+}
+
+TEST_F(StateQuestionsTest, ObjectsMayBeNamedTwice) {
+  EXPECT_EQ(states(ask({kFree, kAtCloth}, {"turn"}, 0, {"cloth", "cloth"})), "-C");
 }
 
 }  // namespace
