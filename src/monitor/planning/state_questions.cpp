@@ -308,7 +308,8 @@ std::string StateQuestions::whyUnknown(const StatesAsked& asked) const {
       return text + "; and " + std::to_string(unknown.size() - kShown) + " more";
     const BodyStatus& body = scene_.bodies()[id];
     text += (text.empty() ? "" : "; ") + body.name + ": ";
-    if (asked.unclear[id]) text += "nobody knows whether it moves along: ";
+    if (asked.unclear[id]) text += "nobody knows whether it moves along";
+    if (asked.unclear[id] && !body.unknown_because.empty()) text += ": ";  // else TF came meanwhile
     text += body.unknown_because;
   }
   return text;
