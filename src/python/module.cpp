@@ -93,9 +93,8 @@ PYBIND11_MODULE(_core, module) {
   bindStates(module);
   module.def("read_mesh", &readMesh, py::arg("path"), kReadMeshText);
   // Users then see deformable_contact.Scene and not deformable_contact._core.Scene.
-  for (const char* name :
-       {"BodyDistance", "Detector", "NearestPair", "Result", "Scene", "StateChecker",
-        "StateResults", "read_mesh"}) {
+  for (const char* name : {"BodyDistance", "Detector", "NearestPair", "Result", "Scene",
+                           "StateChecker", "StateResults", "read_mesh"}) {
     module.attr(name).attr("__module__") = "deformable_contact";
   }
 }
