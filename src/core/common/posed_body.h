@@ -18,8 +18,7 @@ namespace deformable_contact_monitor {
 // valid, and must outlive the view. Any number of threads may read.
 class PosedBody {
  public:
-  explicit PosedBody(const Body& body)
-      : PosedBody(body, body.pose) {}
+  explicit PosedBody(const Body& body) : PosedBody(body, body.pose) {}
   // Takes another pose, which must outlive the view too.
   PosedBody(const Body& body, const RigidTransform& pose)
       : PosedBody(pose, body.mesh.vertices.data(), body.mesh.triangles.data()) {}

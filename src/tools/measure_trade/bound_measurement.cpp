@@ -190,7 +190,7 @@ double BoundMeasurement::p99OverBudget() const {
 
 // Self-contacts are left out, because tolerances are about pairs of two bodies.
 TouchingPairs touchingBodies(FrameSource* frames, Detector* exact, const Options& options,
-                              const SayProgress& progress) {
+                             const SayProgress& progress) {
   TouchingPairs truth;
   frames->rewind();
   while (frames->next()) {

@@ -65,7 +65,7 @@ using TouchingPairs = std::vector<std::set<BodyPair>>;
 
 // Finds them with a detector that has no tolerance and no budget.
 TouchingPairs touchingBodies(FrameSource* frames, Detector* exact, const Options& options,
-                              const SayProgress& progress);
+                             const SayProgress& progress);
 
 // Runs sum->setting over the frames, after some warm-up cycles, and adds to `sum`. `tilings` are
 // those of the detector, and are built before each detection; null: it has none. `options` has
