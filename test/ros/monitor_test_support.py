@@ -81,11 +81,12 @@ class Monitor:
         self.events = Log(name + "/contact_events", ContactEvent)
 
     def contacts_at(self, stamp):
-        """Those of the cycle of an object's mesh; the robot's own cycle may have that stamp, too."""
+        """Those of an object's cycle, or of a heartbeat; not those of the robot's own cycle, which
+        may have that stamp, too."""
         def is_of_object(message):
-            objects = [on for on, kind in zip(message.triggered, message.body_kind)
-                       if kind == message.DEFORMABLE]
-            return not objects or any(objects)
+            return not any(message.triggered) or any(
+                on and kind == message.DEFORMABLE
+                for on, kind in zip(message.triggered, message.body_kind))
         contacts = self.contacts.wait(
             f"contacts at {stamp}", lambda m: m.header.stamp == stamp and is_of_object(m))
         if "DCM_REQUIRE_CUDA" in os.environ and contacts.backend != "cuda":
