@@ -20,9 +20,9 @@ PUBLIC_HEADERS = {
         "backend_choice.h", "backend_error.h", "body_distance.h", "body_path.h", "cpu_detector.h",
         "detector.h", "detector_pool.h", "export.h", "host_device.h", "host_list.h", "limits.h",
         "mesh_file.h", "options.h", "pair_geometry.h", "pair_settings.h", "rigid_transform.h",
-        "scene.h", "steady_time.h", "substeps.h", "tiling.h", "tiling_cache.h",
+        "scene.h", "state_checker.h", "steady_time.h", "substeps.h", "tiling.h", "tiling_cache.h",
         "triangle_mesh.h", "vector3.h"},
-    "cuda": {"cuda_detector.h", "detector_choice.h"},
+    "cuda": {"cuda_detector.h", "cuda_state_checker.h", "detector_choice.h"},
 }
 
 
