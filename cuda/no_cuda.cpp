@@ -2,6 +2,7 @@
 #include "cuda/cuda_detector.h"
 #include "cuda/cuda_state_checker.h"
 #include "cuda/device/cuda_error.h"
+#include "cuda/memory/copy_from_device.h"
 #include "cuda/partitions/partitioned_detector.h"
 
 namespace deformable_contact_monitor {
@@ -24,6 +25,10 @@ std::unique_ptr<PartitionDetector> makeCudaPartitionDetector(const CudaSettings&
 }
 
 std::unique_ptr<StateChecker> makeCudaStateChecker(const CudaSettings& /*settings*/) {
+  refuseCuda();
+}
+
+void copyFromDevice(void* /*to*/, const void* /*from*/, std::size_t /*bytes*/, void* /*stream*/) {
   refuseCuda();
 }
 

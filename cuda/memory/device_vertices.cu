@@ -1,6 +1,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "cuda/device/own_process.h"
+#include "cuda/memory/copy_from_device.h"
 #include "cuda/memory/device_vertices.cuh"
 
 namespace deformable_contact_monitor {
@@ -15,7 +17,37 @@ cudaStream_t streamOf(const Body& body) {
   throw std::invalid_argument(body.name + ": " + what);
 }
 
+// Makes a device the current one, and afterwards the one that was.
+class DeviceGuard {
+ public:
+  explicit DeviceGuard(int device) {
+    checkCuda(cudaGetDevice(&before_), "cudaGetDevice");
+    checkCuda(cudaSetDevice(device), "cudaSetDevice");
+  }
+  DeviceGuard(const DeviceGuard&) = delete;
+  DeviceGuard& operator=(const DeviceGuard&) = delete;
+  ~DeviceGuard() { cudaSetDevice(before_); }
+
+ private:
+  int before_ = 0;
+};
+
 }  // namespace
+
+void copyFromDevice(void* to, const void* from, std::size_t bytes, void* stream) {
+  requireOwnProcess();
+  cudaPointerAttributes memory{};
+  checkCuda(cudaPointerGetAttributes(&memory, from), "cudaPointerGetAttributes");
+  if (memory.type != cudaMemoryTypeDevice && memory.type != cudaMemoryTypeManaged) {
+    throw std::invalid_argument(
+        "the array is said to be on a device, but that is no pointer of "
+        "CUDA's");
+  }
+  const DeviceGuard guard(memory.device);
+  auto* const of_array = static_cast<cudaStream_t>(stream);
+  checkCuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDefault, of_array), "cudaMemcpyAsync");
+  checkCuda(cudaStreamSynchronize(of_array), "cudaStreamSynchronize");
+}
 
 void DeviceVerticesReader::requireReadable(const Body& body, int device) {
   cudaPointerAttributes memory{};

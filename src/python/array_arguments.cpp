@@ -7,7 +7,10 @@
 #include <limits>
 #include <stdexcept>
 #include <type_traits>
+#include <utility>
 #include <vector>
+
+#include "cuda/memory/copy_from_device.h"
 
 namespace deformable_contact_monitor {
 namespace py = pybind11;
@@ -18,22 +21,20 @@ constexpr int kOldestVersion = 2;  // before it, no stride and no pointer meant 
 // The __cuda_array_interface__ of an argument, with the names that error messages give.
 class Interface {
  public:
-  Interface(py::handle vertices, const std::string& body) : body_(body) {
-    try {
-      const py::object interface = vertices.attr("__cuda_array_interface__");
-      if (!py::isinstance<py::dict>(interface)) refuse("is no dict");
-      fields_ = interface;
-    } catch (const py::error_already_set& error) {
-      if (!error.matches(PyExc_AttributeError)) throw;
-      throw std::invalid_argument(body +
-                                  ": vertices is not in a device's memory (it has no "
-                                  "__cuda_array_interface__); set_vertices takes it");
+  // `argument` is what messages begin with.
+  Interface(py::handle array, std::string argument) : argument_(std::move(argument)) {
+    const py::object interface = array.attr("__cuda_array_interface__");
+    if (!py::isinstance<py::dict>(interface)) refuse("is no dict");
+    fields_ = interface;
+    if (as<int>("version", field("version")) < kOldestVersion) {
+      refuse("has version " + shown("version") + ", must be 2 or later");
     }
+    if (!field("mask").is_none()) refuse("has a mask, must have none");
   }
 
-  // Throws with the body's name.
+  // Throws with the argument's name.
   [[noreturn]] void refuse(const std::string& what) const {
-    throw std::invalid_argument(body_ + ": vertices: its __cuda_array_interface__ " + what);
+    throw std::invalid_argument(argument_ + ": its __cuda_array_interface__ " + what);
   }
 
   // Returns a field; None if it is missing.
@@ -72,7 +73,7 @@ class Interface {
   std::string shown(const char* name) const { return py::repr(field(name)); }
 
  private:
-  const std::string& body_;
+  const std::string argument_;
   py::dict fields_;
 };
 
@@ -82,15 +83,33 @@ T* toPointer(std::uintptr_t address) {
   return reinterpret_cast<T*>(address);  // NOLINT(performance-no-int-to-ptr)
 }
 
-// Strides may be absent, which means C order.
-void requireContiguous(const Interface& interface, std::size_t count) {
-  if (interface.field("strides").is_none() || count == 0) return;
+// Requires C order without gaps. Strides may be absent, which means just that; a single row may
+// have any row stride.
+void requireContiguous(const Interface& interface, const std::vector<std::int64_t>& shape,
+                       std::int64_t number_size) {
+  if (interface.field("strides").is_none()) return;
+  if (std::count(shape.begin(), shape.end(), 0) != 0) return;
   const std::vector<std::int64_t> strides = interface.numbers("strides");
-  const auto size = static_cast<std::int64_t>(sizeof(float));
-  // A single row may have any row stride.
-  if (strides.size() != 2 || strides[1] != size || (count > 1 && strides[0] != 3 * size)) {
+  std::int64_t stride = number_size;
+  bool fits = strides.size() == shape.size();
+  for (std::size_t i = shape.size(); fits && i > 0; --i) {
+    fits = shape[i - 1] == 1 || strides[i - 1] == stride;
+    stride *= shape[i - 1];
+  }
+  if (!fits) {
     interface.refuse("has strides " + interface.shown("strides") + ", must be contiguous");
   }
+}
+
+// Returns the address of the first of `count` numbers.
+std::uintptr_t addressOf(const Interface& interface, std::size_t count) {
+  const py::tuple data = interface.tuple("data");
+  if (data.empty()) interface.refuse("has data ()");
+  const auto address = interface.as<std::uintptr_t>("data", data[0]);
+  if (address == 0 && count > 0) {
+    interface.refuse("has no data, but shape " + interface.shown("shape"));
+  }
+  return address;
 }
 
 // The values 1 and 2 are CUDA's handles of the default streams; 0 is ambiguous and is rejected.
@@ -187,10 +206,12 @@ void copyReal(const Argument& argument, py::handle value, const std::vector<Py_s
 // Checks the fields in the order in which they are most often wrong.
 DeviceArray toDeviceArray(py::handle vertices, std::optional<std::uintptr_t> stream,
                           const std::string& body) {
-  const Interface interface(vertices, body);
-  if (interface.as<int>("version", interface.field("version")) < kOldestVersion) {
-    interface.refuse("has version " + interface.shown("version") + ", must be 2 or later");
+  if (!py::hasattr(vertices, "__cuda_array_interface__")) {
+    throw std::invalid_argument(body +
+                                ": vertices is not in a device's memory (it has no "
+                                "__cuda_array_interface__); set_vertices takes it");
   }
+  const Interface interface(vertices, body + ": vertices");
   const std::vector<std::int64_t> shape = interface.numbers("shape");
   if (shape.size() != 2 || shape[0] < 0 || shape[1] != 3) {
     interface.refuse("has shape " + interface.shown("shape") + ", must be (n, 3)");
@@ -198,15 +219,36 @@ DeviceArray toDeviceArray(py::handle vertices, std::optional<std::uintptr_t> str
   if (interface.as<std::string>("typestr", interface.field("typestr")) != "<f4") {
     interface.refuse("has typestr " + interface.shown("typestr") + ", must be '<f4', float32");
   }
-  if (!interface.field("mask").is_none()) interface.refuse("has a mask, must have none");
   const auto count = static_cast<std::size_t>(shape[0]);
-  requireContiguous(interface, count);
-  const py::tuple data = interface.tuple("data");
-  if (data.empty()) interface.refuse("has data ()");
-  const auto address = interface.as<std::uintptr_t>("data", data[0]);
-  if (address == 0 && count > 0)
-    interface.refuse("has no data, but shape " + interface.shown("shape"));
-  return {toPointer<const float>(address), count, toStream(interface, stream)};
+  requireContiguous(interface, shape, sizeof(float));
+  return {toPointer<const float>(addressOf(interface, count)), count, toStream(interface, stream)};
+}
+
+py::array toHostArray(py::handle value, const std::string& name) {
+  if (!py::hasattr(value, "__cuda_array_interface__")) {
+    py::array array = py::array::ensure(value);
+    if (array) return array;
+    PyErr_Clear();
+    throw std::invalid_argument(name + " must be an array");
+  }
+  const Interface interface(value, name);
+  const std::vector<std::int64_t> shape = interface.numbers("shape");
+  std::size_t count = 1;
+  for (const std::int64_t size : shape) {
+    if (size < 0) interface.refuse("has shape " + interface.shown("shape"));
+    count *= static_cast<std::size_t>(size);
+  }
+  const auto type = interface.as<std::string>("typestr", interface.field("typestr"));
+  if (type != "<f4" && type != "<f8") {
+    interface.refuse("has typestr " + interface.shown("typestr") + ", must be '<f4' or '<f8'");
+  }
+  py::array array(py::dtype(type), std::vector<py::ssize_t>(shape.begin(), shape.end()));
+  requireContiguous(interface, shape, array.itemsize());
+  const std::uintptr_t from = addressOf(interface, count);
+  void* const stream = toStream(interface, std::nullopt);
+  const auto bytes = static_cast<std::size_t>(array.nbytes());
+  if (bytes > 0) copyFromDevice(array.mutable_data(), toPointer<const void>(from), bytes, stream);
+  return array;
 }
 
 // ensure() returns the same array if it has the right layout.

@@ -56,4 +56,10 @@ struct DeviceArray {
 DeviceArray toDeviceArray(pybind11::handle vertices, std::optional<std::uintptr_t> stream,
                           const std::string& body);
 
+// Returns an array of any shape in host memory: `value` itself, what numpy makes of it, or a copy
+// of an array of float32 or float64 numbers in the memory of a CUDA device, made behind the work
+// that is in the interface's stream. Throws std::invalid_argument that begins with `name`, and
+// CudaError if the copy fails.
+pybind11::array toHostArray(pybind11::handle value, const std::string& name);
+
 }  // namespace deformable_contact_monitor

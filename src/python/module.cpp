@@ -17,6 +17,7 @@
 #include "core/mesh_file.h"
 #include "python/python_detector.h"
 #include "python/python_result.h"
+#include "python/python_robot.h"
 #include "python/python_scene.h"
 #include "python/python_states.h"
 
@@ -91,6 +92,9 @@ PYBIND11_MODULE(_core, module) {
   bindScene(module);
   bindDetector(module);
   bindStates(module);
+#ifdef DCM_WITH_ROBOT
+  bindRobot(module);
+#endif
   module.def("read_mesh", &readMesh, py::arg("path"), kReadMeshText);
   // Users then see deformable_contact.Scene and not deformable_contact._core.Scene.
   for (const char* name : {"BodyDistance", "Detector", "NearestPair", "Result", "Scene",

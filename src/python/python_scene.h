@@ -39,8 +39,9 @@ class PythonScene {
   void setPose(std::int64_t id, pybind11::handle rotation, pybind11::handle translation);
   // Sets the distance up to which triangles of the body count as contacts [m].
   void setMargin(std::int64_t id, float margin_m);
-  // Makes the body all points at most this far from its triangles [m].
+  // Sets margins of named parts [m], by the numbers of the parts.
   void setPartMargins(std::int64_t id, const std::map<std::int64_t, float>& margins_m);
+  // Makes the body all points at most this far from its triangles [m].
   void setRadius(std::int64_t id, float radius_m);
   // Sets where the body was at the beginning of the interval: vertices [m] in the body's frame, and
   // the pose. None means the body's present value. Rotation and translation must be given together.

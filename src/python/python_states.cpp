@@ -38,8 +38,9 @@ constexpr const char* kCheckText = R"(Decides states: in each, the bodies have o
 
 bodies: ids of the k bodies that move, each once.
 poses: (n, k, 4, 4) real numbers, scene frame from body frame: the poses of the bodies in their order,
-    state by state. The last row of each is 0 0 0 1. A state with a pose that is not finite is
-    unknown.
+    state by state, in host memory or, as CuPy, Numba and PyTorch have it, in that of a CUDA device,
+    from where it is copied. The last row of each is 0 0 0 1. A state with a pose that is not finite
+    is unknown. Robot.poses() makes them of joint positions.
 pairs: whether results list all pairs of bodies that touch (StateResults.pairs). Otherwise a state is
     done at its first contact.
 nearest: whether results have the distance and the nearest triangles of each state within the margins
@@ -55,11 +56,7 @@ thread uses this checker.)";
 std::vector<RigidTransform> toPoses(py::handle poses, std::size_t bodies) {
   using Doubles = py::array_t<double, kPlain>;
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("poses " + what); };
-  py::array given = py::array::ensure(poses);
-  if (!given) {
-    PyErr_Clear();
-    refuse("must be an array");
-  }
+  const py::array given = toHostArray(poses, "poses");
   const char kind = given.dtype().kind();
   if (kind != 'f' && kind != 'i' && kind != 'u') refuse("must be real numbers");
   if (given.ndim() != 4 || given.shape(1) != static_cast<py::ssize_t>(bodies) ||

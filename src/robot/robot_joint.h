@@ -20,6 +20,7 @@ struct RobotJoint {
   // The positions that the URDF permits [rad or m]; infinite without limits.
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
+  double max_velocity = 0;  // [rad/s or m/s]; 0: not limited
   // A mimic joint is at multiplier * position + offset of that joint; empty: it is none.
   std::string mimics{};
   double multiplier = 1, offset = 0;

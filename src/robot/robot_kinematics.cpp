@@ -80,8 +80,8 @@ bool RobotJoint::operator==(const RobotJoint& other) const {
     const urdf::Vector3& p = j.origin.position;
     const urdf::Rotation& r = j.origin.rotation;
     return std::make_tuple(j.name, j.parent, j.child, j.type, p.x, p.y, p.z, r.x, r.y, r.z, r.w,
-                           j.axis.x, j.axis.y, j.axis.z, j.lower, j.upper, j.mimics, j.multiplier,
-                           j.offset);
+                           j.axis.x, j.axis.y, j.axis.z, j.lower, j.upper, j.max_velocity, j.mimics,
+                           j.multiplier, j.offset);
   };
   return all(*this) == all(other);
 }

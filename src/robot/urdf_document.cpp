@@ -169,6 +169,7 @@ RobotJoint convert(const urdf::Joint& from) {
     joint.lower = from.limits->lower;
     joint.upper = from.limits->upper;
   }
+  if (from.limits != nullptr) joint.max_velocity = from.limits->velocity;
   if (from.mimic == nullptr) return joint;
   joint.mimics = unguarded(from.mimic->joint_name);
   joint.multiplier = from.mimic->multiplier;

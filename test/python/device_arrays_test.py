@@ -13,7 +13,7 @@ import weakref
 
 import mesh_scenes
 import numpy
-from deformable_contact import Detector, Scene
+from deformable_contact import Detector, Scene, StateChecker
 
 VERTICES = numpy.array([[0, 0, 0], [4, 0, 0], [0, 4, 0]], numpy.float32)
 FIELDS = {"version": 3, "shape": (3, 3), "typestr": "<f4", "data": (4096, True), "strides": None,
@@ -105,6 +105,19 @@ class WithoutADevice(unittest.TestCase):
             detector.detect(scene)
         scene.set_vertices(0, VERTICES)
         self.assertTrue(detector.detect(scene).complete)
+
+    def test_poses_that_are_refused(self):
+        for what, fields in (("has typestr '<i4', must be '<f4' or '<f8'", {"typestr": "<i4"}),
+                             ("has shape (-1, 4)", {"shape": (-1, 4)}),
+                             ("has shape None", {"shape": None}),
+                             ("has strides (8, 4), must be contiguous", {"strides": (8, 4)}),
+                             ("has a mask, must have none", {"mask": 5}),
+                             ("has no data, but shape (3, 3)", {"data": (0, False)})):
+            with self.assertRaises(ValueError) as raised:
+                StateChecker("cpu").check(scene_of_one(), [0], DeviceArray(**fields))
+            self.assertIn("poses: its __cuda_array_interface__ " + what, str(raised.exception))
+        with self.assertRaises((ValueError, RuntimeError)):  # no such memory, or no CUDA
+            StateChecker("cpu").check(scene_of_one(), [0], DeviceArray())
 
     def test_an_array_is_kept_until_the_body_has_others(self):
         scene = scene_of_one()

@@ -5,6 +5,7 @@ import os
 import pathlib
 import unittest
 
+import deformable_contact
 import mesh_scenes
 import numpy
 from deformable_contact import Detector, Scene, StateChecker
@@ -135,6 +136,87 @@ class States(unittest.TestCase):
         self.checker.reset()
         self.assertTrue(self.checker.check(self.scene, [1], good).free.all())
         self.assertEqual(len(self.checker.check(self.scene, [1], numpy.zeros((0, 1, 4, 4)))), 0)
+
+
+@unittest.skipUnless(hasattr(deformable_contact, "Robot"), "this build is without ROS")
+class Robots(unittest.TestCase):
+
+    URDF = pathlib.Path(os.environ["DCM_SOURCE_DIR"], "config/surgical_arm.urdf").read_text()
+
+    def by_hand(self, positions):
+        """Where the links are, by the joints' own definitions: link -> 4x4."""
+        turn = {"x": [[1, 0, 0], [0, "c", "-s"], [0, "s", "c"]],
+                "y": [["c", 0, "s"], [0, 1, 0], ["-s", 0, "c"]],
+                "z": [["c", "-s", 0], ["s", "c", 0], [0, 0, 1]]}
+        place = {"base": numpy.eye(4)}
+        for link, parent, joint, axis, sign in (
+                ("yaw", "base", "yaw", "y", 1), ("pitch", "yaw", "pitch", "x", 1),
+                ("shaft", "pitch", "insertion", None, -1), ("wrist", "shaft", "roll", "z", 1),
+                ("left_jaw", "wrist", "jaw", "x", 1), ("right_jaw", "wrist", "jaw", "x", -1)):
+            step = numpy.eye(4)
+            at = sign * positions[joint]
+            if axis is None:
+                step[2, 3] = at
+            else:
+                s, c = numpy.sin(at), numpy.cos(at)
+                step[:3, :3] = [[{"c": c, "s": s, "-s": -s}.get(e, e) for e in row]
+                                for row in turn[axis]]
+            place[link] = place[parent] @ step
+        return place
+
+    def test_poses_are_those_of_the_joints(self):
+        robot = deformable_contact.Robot(self.URDF)
+        self.assertEqual(robot.joints, ["insertion", "jaw", "pitch", "roll", "yaw"])
+        self.assertEqual(robot.limits.tolist(),
+                         [[.02, .24], [0, .8], [-.8, .8], [-3, 3], [-1.2, 1.2]])
+        rng = numpy.random.default_rng(1)
+        positions = rng.uniform(*robot.limits.T, size=(20, 5))
+        poses = robot.poses(positions)
+        in_wrist = deformable_contact.Robot(self.URDF, frame="wrist").poses(positions)
+        self.assertEqual(poses.shape, (20, len(robot.links), 4, 4))
+        for number, state in enumerate(positions):
+            place = self.by_hand(dict(zip(robot.joints, state)))
+            for link, pose, seen in zip(robot.links, poses[number], in_wrist[number]):
+                numpy.testing.assert_allclose(pose, place[link], atol=1e-12)
+                numpy.testing.assert_allclose(
+                    seen, numpy.linalg.inv(place["wrist"]) @ place[link], atol=1e-12)
+        self.assertEqual(robot.poses(numpy.zeros((0, 5))).shape, (0, len(robot.links), 4, 4))
+        self.assertTrue(numpy.isnan(robot.poses([[0, 0, 0, 0, numpy.nan]])).any())
+
+    def test_joint_positions_are_checked_as_states(self):
+        robot = deformable_contact.Robot(self.URDF)
+        scene = Scene()
+        floor = scene.add_body("floor", [[-1, -1, -.2], [1, -1, -.2], [0, 2, -.2]], TRIANGLE)
+        bodies = robot.add_to(scene)
+        for body in bodies:
+            scene.set_pair_enabled(floor, body)
+        scene.set_margin(floor, .1)
+        self.assertEqual(scene.names[1:], robot.links)
+        # Upright, the jaws' lowest points are 14 mm below the wrist, which the insertion lowers.
+        positions = [[depth, 0, 0, 0, 0] for depth in (.1, .18, .2)]
+        states = StateChecker("cpu").check(scene, bodies, robot.poses(positions), nearest=True)
+        self.assertEqual(states.touches.tolist(), [False, False, True])
+        numpy.testing.assert_allclose(states.distances, [.086, .006, 0], atol=1e-6)
+        with self.assertRaisesRegex(ValueError, "a body 'base' already"):
+            robot.add_to(scene)
+
+    def test_wrong_arguments_are_refused(self):
+        with self.assertRaisesRegex(ValueError, "robot description, line 1"):
+            deformable_contact.Robot("<robot")
+        with self.assertRaisesRegex(ValueError, "frame 'wirst' is no link of robot 'surgical_arm'"):
+            deformable_contact.Robot(self.URDF, frame="wirst")
+        with self.assertRaisesRegex(ValueError, "geometry is 'both'"):
+            deformable_contact.Robot(self.URDF, geometry="both")
+        with self.assertRaisesRegex(ValueError, "no link of the robot has visual geometry"):
+            deformable_contact.Robot(self.URDF, geometry="visual")
+        with self.assertRaisesRegex(ValueError, "left_jaw: .*none.stl"):
+            deformable_contact.Robot(self.URDF.replace(
+                '<box size="0.004 0.002 0.012"/>', '<mesh filename="file:///none.stl"/>', 1))
+        robot = deformable_contact.Robot(self.URDF)
+        with self.assertRaisesRegex(ValueError, r"shape \(n, 5\).* but have \(1, 4\)"):
+            robot.poses([[0] * 4])
+        with self.assertRaisesRegex(ValueError, "real numbers"):
+            robot.poses([["a"] * 5])
 
 
 class Example(unittest.TestCase):

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "refusal.h"
+#include "robot/robot_poses.h"
 #include "robot/urdf_document.h"
 #include "robot_test_support.h"
 
@@ -206,6 +207,58 @@ TEST(RobotKinematics, BadJointsAreRefusedByName) {
   EXPECT_EQ(refusal([&] { JointMotion(twice, {twice.front().name}); }),
             "several robots have a joint '" + twice.front().name +
                 "'; give each robot its own frame_prefix");
+}
+
+RobotGeometry robotOf(const std::string& urdf) {
+  return loadRobotGeometry(urdf, {}, [](const std::string& uri) { return uri; });
+}
+
+TEST(RobotPosesTest, AllLinksFollowTheJointsFromTheFrameThatIsAskedFor) {
+  const RobotGeometry robot = robotOf(kRobot);
+  RobotPoses from_base(robot, ""), from_tool(robot, "tool");
+  Names names;
+  for (const RobotJoint& joint : from_base.joints()) names.push_back(joint.name);
+  EXPECT_EQ(names, (Names{"bend", "extend", "roll", "shoulder", "wag"}));
+  EXPECT_EQ(from_base.links().size(), 11U);
+  EXPECT_EQ(from_base.movedCount(), 10U);
+  EXPECT_EQ(from_base.links().back(), "base");
+  const std::map<std::string, double> positions = {{"bend", 0.6},     {"extend", 0.4}, {"roll", -2},
+                                                   {"shoulder", 1.2}, {"wag", 0.9},    {"none", 7}};
+  const Eigen::Isometry3d arm =
+      origin(1, 2, 3, 0.1, 0.2, 0.3) * turned(1.2, Eigen::Vector3d(0, 0.6, 0.8));
+  const Eigen::Isometry3d wheel =
+      arm * origin(0, 0, 1, 0, 0, 1.5) * turned(-2, Eigen::Vector3d::UnitX());
+  const double follow = 0.25 - 2 * 1.2;
+  const Eigen::Isometry3d tool =
+      wheel * origin(0, 1, 0, 0, 1, 0) * Eigen::Translation3d(0, 0, 0.4) *
+      turned(follow, Eigen::Vector3d::UnitZ()) * Eigen::Translation3d(3 * follow + 1, 0, 0) *
+      origin(0, 0, 0.5, -0.4, 0, 0);
+  const Eigen::Isometry3d tail = tool * turned(0.9, Eigen::Vector3d::UnitY());
+  const auto at_base = from_base.at(positions), at_tool = from_tool.at(positions);
+  for (const auto& [link, place] :
+       std::map<std::string, Eigen::Isometry3d>{{"base", Eigen::Isometry3d::Identity()},
+                                                {"arm", arm},
+                                                {"tool", tool},
+                                                {"cart", tool},
+                                                {"tail", tail},
+                                                {"side", turned(0.6, Eigen::Vector3d::UnitX())}}) {
+    expectNear(at_base.at(link).matrix(), place, link.c_str());
+    expectNear(at_tool.at(link).matrix(), tool.inverse() * place, link.c_str());
+  }
+  expectNear(from_base.at({}).at("wheel").matrix(),
+             origin(1, 2, 3, 0.1, 0.2, 0.3) * origin(0, 0, 1, 0, 0, 1.5), "at zero");
+}
+
+TEST(RobotPosesTest, NamesAreThoseOfTheUrdf) {
+  const RobotGeometry robot = robotOf(
+      R"(<robot name="%nr"><link name="base"/><link name="%narm"/>
+      <joint name="%nslide" type="prismatic"><parent link="base"/><child link="%narm"/>
+      <axis xyz="1 0 0"/><limit lower="0" upper="1" effort="1" velocity="1"/></joint></robot>)");
+  EXPECT_NEAR(RobotPoses(robot, "base").at({{"%nslide", 0.3}}).at("%narm").translation().x(), 0.3,
+              1e-12);
+  EXPECT_EQ(refusal([&] { RobotPoses(robot, "arm"); }), "frame 'arm' is no link of robot '%nr'");
+  EXPECT_EQ(RobotPoses(robotOf("<robot name='r'><link name='only'/></robot>"), "").links(),
+            Names{"only"});
 }
 
 TEST(RobotKinematics, JointsOfSeveralRobotsHaveTheirPrefix) {

@@ -1,20 +1,20 @@
 // Moves a robot's joints along sinusoids, within their limits.
 #pragma once
 
-#include <urdf_model/model.h>
-
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "robot/robot_joint.h"
+
 namespace deformable_contact_monitor {
 
-// Moves every joint that is not fixed and mimics no other, in alphabetical order. The same seed
+// Moves every joint that has a position and mimics no other, in alphabetical order. The same seed
 // gives the same motion.
 class JointMover {
  public:
-  // `robot` was parsed from guarded() text (robot/urdf_document.h); names() are those of the URDF.
-  JointMover(const urdf::ModelInterface& robot, std::uint32_t seed);
+  // `joints` are those of a robot, by name.
+  JointMover(const std::vector<RobotJoint>& joints, std::uint32_t seed);
 
   const std::vector<std::string>& names() const { return names_; }
 

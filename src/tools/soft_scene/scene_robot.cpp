@@ -3,12 +3,8 @@
 
 #include <ros/ros.h>
 #include <tf2_eigen/tf2_eigen.h>
-#include <urdf_parser/urdf_parser.h>
 
 #include <algorithm>
-#include <stdexcept>
-
-#include "robot/urdf_document.h"
 
 namespace deformable_contact_monitor {
 
@@ -18,8 +14,6 @@ Robot readRobot(const std::string& urdf_xml) {
   reading.stop = ros::isShuttingDown;
   robot.urdf_xml = urdf_xml;
   robot.geometry = loadRobotGeometry(urdf_xml, {}, makeRosResolver(), reading);
-  robot.model = urdf::parseURDF(readUrdfText(urdf_xml, GeometryKind::kCollision).xml);
-  if (robot.model == nullptr) throw std::runtime_error("urdfdom cannot read the robot description");
   return robot;
 }
 
@@ -30,7 +24,7 @@ SceneRobot::SceneRobot(const Robot& robot, const std::string& frame, const Moved
     listener_ = std::make_unique<tf2_ros::TransformListener>(buffer_);
     return;
   }
-  poses_.emplace(robot.model, frame);
+  poses_.emplace(robot.geometry, frame);
   if (moved_ != nullptr) {
     joints_.name = moved_->names;
   } else {

@@ -4,7 +4,6 @@
 #include <ros/node_handle.h>
 #include <sensor_msgs/JointState.h>
 #include <tf2_ros/transform_listener.h>
-#include <urdf_model/model.h>
 
 #include <functional>
 #include <map>
@@ -14,7 +13,7 @@
 #include <vector>
 
 #include "robot/robot_geometry.h"
-#include "tools/simulation/robot_poses.h"
+#include "robot/robot_poses.h"
 #include "tools/simulation/scene_object.h"
 
 namespace deformable_contact_monitor {
@@ -22,7 +21,6 @@ namespace deformable_contact_monitor {
 // A robot as its description says.
 struct Robot {
   std::string urdf_xml;
-  urdf::ModelInterfaceSharedPtr model;  // read from guarded() text
   RobotGeometry geometry;
 };
 

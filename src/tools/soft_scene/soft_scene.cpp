@@ -222,7 +222,7 @@ SoftScene::SoftScene(const Settings& s, ros::NodeHandle* node) : s_(s), node_(no
   const std::string frame =
       !object.frame.empty() ? object.frame : (robot_ ? robot_->geometry.root_link : "base_link");
   if (s.joints) {
-    const auto mover = std::make_shared<JointMover>(*robot_->model, object.seed);
+    const auto mover = std::make_shared<JointMover>(robot_->geometry.joints, object.seed);
     moved_ =
         MovedJoints{mover->names(), [mover](double time_s) { return mover->positions(time_s); }};
   } else if (script_) {

@@ -1,6 +1,5 @@
 // Tests of what soft_scene moves: joints, links, mesh files.
 #include <gtest/gtest.h>
-#include <urdf_parser/urdf_parser.h>
 
 #include <cmath>
 #include <cstdio>
@@ -11,7 +10,6 @@
 #include <vector>
 
 #include "robot/urdf_document.h"
-#include "tools/simulation/robot_poses.h"
 #include "tools/simulation/scene_object.h"
 #include "tools/soft_scene/joint_mover.h"
 
@@ -36,8 +34,8 @@ const char* const kUrdf = R"(<robot name="r">
     <axis xyz="0 0 1"/></joint></robot>)";
 
 TEST(JointMoverTest, staysWithinTheLimitsAndMovesSmoothly) {
-  const auto robot = urdf::parseURDF(kUrdf);
-  const JointMover mover(*robot, 1);
+  const std::vector<RobotJoint> joints = readUrdf(kUrdf, GeometryKind::kCollision).joints;
+  const JointMover mover(joints, 1);
   EXPECT_EQ(mover.names(), (std::vector<std::string>{"lift", "push", "roll"}));
   std::vector<double> last = mover.positions(0);
   double travelled = 0;
@@ -53,44 +51,8 @@ TEST(JointMoverTest, staysWithinTheLimitsAndMovesSmoothly) {
     last = now;
   }
   EXPECT_GT(travelled, 1);
-  EXPECT_EQ(JointMover(*robot, 1).positions(3), mover.positions(3));
-  EXPECT_NE(JointMover(*robot, 2).positions(3), mover.positions(3));
-}
-
-TEST(RobotPosesTest, followTheJointsAndTheirMimics) {
-  const RobotPoses poses(urdf::parseURDF(kUrdf), "base");
-  const auto middle = [](const std::map<std::string, Eigen::Isometry3d>& at, const char* link) {
-    return Eigen::Vector3d(at.at(link) * Eigen::Vector3d(0, 0, 0.5));
-  };
-  EXPECT_NEAR((middle(poses.at({}), "arm") - Eigen::Vector3d(0, 0, 2.5)).norm(), 0, 1e-6);
-  // A quarter turn about y lays the arm along x, and the slide's axis along -z.
-  const auto laid = poses.at({{"lift", M_PI / 2}, {"push", 0.03}});
-  EXPECT_NEAR((middle(laid, "arm") - Eigen::Vector3d(0.5, 0, 2)).norm(), 0, 1e-6);
-  EXPECT_NEAR((middle(laid, "follower") - Eigen::Vector3d(0.5, 0, 1.94)).norm(), 0, 1e-6);
-  EXPECT_THROW(RobotPoses(urdf::parseURDF(kUrdf), "camera"), std::invalid_argument);
-  const auto seen_from_arm = RobotPoses(urdf::parseURDF(kUrdf), "arm").at({{"lift", 0.7}});
-  EXPECT_NEAR(middle(seen_from_arm, "arm").x(), 0, 1e-6);
-}
-
-TEST(RobotPosesTest, namesAreThoseOfTheUrdf) {
-  std::string urdf = kUrdf;
-  for (const char* name : {"\"base\"", "\"arm\"", "\"push\"", "\"follower\"", "\"r\""}) {
-    for (auto at = urdf.find(name); at != std::string::npos; at = urdf.find(name, at)) {
-      urdf.insert(at + 1, "%n");
-    }
-  }
-  const auto robot = urdf::parseURDF(guarded(urdf));
-  ASSERT_NE(robot, nullptr);
-  EXPECT_EQ(JointMover(*robot, 1).names(), (std::vector<std::string>{"%npush", "lift", "roll"}));
-  const RobotPoses poses(robot, "%narm");
-  const double moved = poses.at({{"%npush", 0.03}}).at("%nfollower").translation().x();
-  EXPECT_NEAR(moved - poses.at({}).at("%nfollower").translation().x(), 0.06, 1e-6);
-  try {
-    RobotPoses(robot, "arm");
-    ADD_FAILURE() << "no such link";
-  } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(error.what(), "frame 'arm' is no link of robot '%nr'");
-  }
+  EXPECT_EQ(JointMover(joints, 1).positions(3), mover.positions(3));
+  EXPECT_NE(JointMover(joints, 2).positions(3), mover.positions(3));
 }
 
 TEST(MeshPlayerTest, scalesShiftsAndTellsTopologiesApart) {
