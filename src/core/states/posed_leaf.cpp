@@ -57,12 +57,13 @@ double sizeOf(const PosedLeaf& leaf) {
 
 }  // namespace
 
-void PosedLeaf::make(const BoxNode& leaf, const PosedBody& body) {
+void PosedLeaf::make(const BoxNode& leaf, std::uint32_t lanes, const PosedBody& body) {
   count = 0;
-  for (std::size_t i = 0; i < leaf.count; ++i) {
-    const Triangle posed = body.triangle(leaf.child[i]);
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const std::uint32_t child = leaf.child[__builtin_ctz(lanes)];
+    const Triangle posed = body.triangle(child);
     if (!isFinite(posed)) continue;
-    index[count] = leaf.child[i];
+    index[count] = child;
     triangle[count++] = posed;
   }
   for (std::size_t i = 0; i < kLanes && count > 0; ++i) {

@@ -19,7 +19,8 @@ struct PosedLeaf {
   // Bounds by axis. Entries beyond `count` repeat the last triangle's.
   float low[3][BoxNode::kLanes], high[3][BoxNode::kLanes];
 
-  void make(const BoxNode& leaf, const PosedBody& body);
+  // Takes the triangles of these lanes, given by their bits.
+  void make(const BoxNode& leaf, std::uint32_t lanes, const PosedBody& body);
 };
 
 // A pair of triangles of two leaves.

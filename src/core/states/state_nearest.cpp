@@ -10,6 +10,23 @@
 #include "core/states/state_search.h"
 
 namespace deformable_contact_monitor {
+namespace {
+
+// Returns the bits of the lanes of a node that are not certainly at least needed_m away from a box
+// of the other body, and computes how far they are at least.
+std::uint32_t lanesNearer(const LaneAxes& axes, const CentredBox& single, const BoxNode& node,
+                          double needed_m, double (&gaps_m)[BoxNode::kLanes]) {
+  float squared[BoxNode::kLanes];
+  squaredGapsOfLanes(axes, single, node, squared);
+  std::uint32_t lanes = 0;
+  for (std::uint32_t lane = 0; lane < BoxNode::kLanes; ++lane) {
+    gaps_m[lane] = std::sqrt(double{squared[lane]}) * (1 - 1e-6);
+    lanes |= std::uint32_t{gaps_m[lane] < needed_m} << lane;
+  }
+  return lanes & node.used;
+}
+
+}  // namespace
 
 // Searches all pairs of bodies at once, best first, because only the nearest of all is asked for.
 void StateSearch::findNearest() {
@@ -78,12 +95,13 @@ void StateSearch::refine(const Doubt& doubt) {
   if (a.is_leaf && b.is_leaf) return openLeaves(doubt);
   const bool of_a = b.is_leaf || (!a.is_leaf && a.box.longestHalf() > b.box.longestHalf());
   const BoxNode &node = of_a ? a : b, &other = of_a ? b : a;
-  float squared[BoxNode::kLanes];
-  squaredGapsOfLanes(of_a ? LaneAxes{frame.of_b, frame.of_a} : LaneAxes{frame.of_a, frame.of_b},
-                     other.box, node, squared);
-  for (std::uint32_t lane = 0; lane < node.count; ++lane) {
-    if ((node.used >> lane & 1) == 0) continue;
-    const double low_m = most(doubt.low_m, std::sqrt(double{squared[lane]}) * (1 - 1e-6));
+  double gaps_m[BoxNode::kLanes];
+  std::uint32_t lanes =
+      lanesNearer(of_a ? LaneAxes{frame.of_b, frame.of_a} : LaneAxes{frame.of_a, frame.of_b},
+                  other.box, node, neededM(doubt.pair), gaps_m);
+  for (; lanes != 0; lanes &= lanes - 1) {
+    const int lane = __builtin_ctz(lanes);
+    const double low_m = most(doubt.low_m, gaps_m[lane]);
     Doubt child = doubt;
     child.low_m = low_m;
     child.order_m = low_m - pair.radii.sum();
@@ -93,14 +111,19 @@ void StateSearch::refine(const Doubt& doubt) {
   }
 }
 
+// Only triangles whose boxes are near the other leaf's box are posed.
 void StateSearch::openLeaves(const Doubt& doubt) {
   const StatePair& pair = task_->pairs[doubt.pair];
-  leaf_a_.make(pair.a->nodes()[doubt.a],
-               PosedBody(task_->scene.body(pair.a_id), *poses_[pair.a_id]));
-  leaf_b_.make(pair.b->nodes()[doubt.b],
-               PosedBody(task_->scene.body(pair.b_id), *poses_[pair.b_id]));
-  nearLanes(leaf_a_, leaf_b_, hasDirection(doubt.pair) ? direction_ : Vec3d(), neededM(doubt.pair),
-            near_);
+  const FramePair& frame = frames_[doubt.pair].pair;
+  const BoxNode &a = pair.a->nodes()[doubt.a], &b = pair.b->nodes()[doubt.b];
+  const double needed_m = neededM(doubt.pair);
+  double gaps_m[BoxNode::kLanes];
+  const std::uint32_t lanes_a = lanesNearer({frame.of_b, frame.of_a}, b.box, a, needed_m, gaps_m);
+  const std::uint32_t lanes_b = lanesNearer({frame.of_a, frame.of_b}, a.box, b, needed_m, gaps_m);
+  if (lanes_a == 0 || lanes_b == 0) return;
+  leaf_a_.make(a, lanes_a, PosedBody(task_->scene.body(pair.a_id), *poses_[pair.a_id]));
+  leaf_b_.make(b, lanes_b, PosedBody(task_->scene.body(pair.b_id), *poses_[pair.b_id]));
+  nearLanes(leaf_a_, leaf_b_, hasDirection(doubt.pair) ? direction_ : Vec3d(), needed_m, near_);
   for (const NearLanes& near : near_) {
     const std::uint32_t triangle_a = leaf_a_.index[near.a], triangle_b = leaf_b_.index[near.b];
     if (!pair.counts(triangle_a, triangle_b)) continue;
