@@ -57,6 +57,13 @@ add_counts() {
   skipped=$((skipped + BASH_REMATCH[3]))
 }
 
+# add_tests BUILD [ARGS of ctest...]: as run_tests, for a further build of the same run.
+add_tests() {
+  local counts=("$passed" "$failed" "$skipped")
+  run_tests "$@"
+  passed=$((passed + counts[0])) failed=$((failed + counts[1])) skipped=$((skipped + counts[2]))
+}
+
 # run_tests BUILD [ARGS of ctest...]: runs tests, two more at a time than there are cores, because
 # rostests mostly wait. A skipped test is a problem where the test data are there.
 run_tests() {
