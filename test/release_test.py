@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a release says of itself: one version everywhere, and links that lead somewhere."""
+"""What a release says of itself: one version everywhere, and pages that exist where they are named."""
 import datetime
 import os
 import re
@@ -73,13 +73,33 @@ class Pages(unittest.TestCase):
                 self.assertEqual(len(ids), len(set(ids)))
                 self.assertTrue(all(field["attributes"]["label"] for field in form["body"]))
 
-    def test_links_of_the_contributor_page(self):
-        links = re.findall(r"\]\(([^)]+)\)", text_of(".github", "CONTRIBUTING.md"))
+    def check(self, links, folder=""):
         self.assertGreater(len(links), 5)
         for link in links:
             page, _, anchor = link.partition("#")
-            page = os.path.normpath(os.path.join(".github", page))
-            self.assertIn(anchor, anchors(page), link)
+            self.assertIn(anchor, anchors(os.path.normpath(os.path.join(folder, page))), link)
+
+    def test_links_of_pages(self):
+        for page in (".github/CONTRIBUTING.md", "config/docs/console.md"):
+            links = re.findall(r"\]\(([^)]+)\)", text_of(page))
+            self.check([page + link if link[0] == "#" else os.path.dirname(page) + "/" + link
+                        for link in links])
+
+    def test_each_warning_names_its_page(self):
+        """Warnings of the node and the monitor: all that they log but news."""
+        named = []
+        for room in "src/node", "src/monitor":
+            for folder, _, files in os.walk(os.path.join(SOURCE, room)):
+                for name in files:
+                    text = re.sub(r'"\s*"', "", text_of(folder, name))
+                    for line in re.findall(r"ROS_(?:WARN|ERROR|FATAL)\w*\(.*?\);\n", text, re.S) + \
+                            re.findall(r"NODELET_FATAL\w*\(.*?\);\n", text, re.S):
+                        page = re.search(r"\bsee (\S+\.md[^\s\"]*)\"", line)
+                        self.assertTrue(page, f"{name} names no page: {line}")
+                        named.append(page[1])
+                    named += re.findall(r'"(config/docs/console\.md#[^"]*)"', text)
+        self.assertGreater(len(named), 20)
+        self.check(named)
 
 
 if __name__ == "__main__":
