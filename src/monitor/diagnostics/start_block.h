@@ -12,7 +12,7 @@
 
 namespace deformable_contact_monitor {
 
-// What only the node knows at its start.
+// Holds the facts that only the node knows at its start.
 struct StartFacts {
   const RobotGeometry* robot = nullptr;  // null: no link meshes have come yet
   std::vector<std::string> topics;       // of MonitorParameters::objects, resolved, in their order
