@@ -48,7 +48,7 @@ TEST(StartBlockTest, SaysWhatIsWatchedHowAndWhatIsMissing) {
 }
 
 TEST(StartBlockTest, SaysThatNothingIsMissing) {
-  const RobotGeometry with_srdf = panda();
+  const RobotGeometry robot = panda();
   const std::string block = describeStart(parameters(), {&robot, {"/cloth"}, "cuda", "", {}});
   EXPECT_NE(block.find("\n  backend  CUDA\n"), std::string::npos) << block;
   EXPECT_NE(block.find("\n  missing  nothing\n"), std::string::npos) << block;
@@ -74,7 +74,7 @@ TEST(StartBlockTest, TellsRangesOfMarginsAndRigidObjects) {
   some.link_margin_m = {{"hand", 0.5}};
   some.objects[0].parts.resize(2);
   some.rigids = {{"table", "table_top"}};
-  const RobotGeometry with_srdf = panda();
+  const RobotGeometry robot = panda();
   const std::string block = describeStart(some, {&robot, {"/cloth"}, "cuda", "", {}});
   for (const char* line : {"\n  margins  links 0.125 to 0.5 m, objects 0 to 0.125 m\n",
                            "on /cloth, 2 parts\n", "'table': rigid, in TF frame 'table_top'\n"}) {
