@@ -75,7 +75,7 @@ void addObjects(const MonitorParameters& parameters, const std::vector<std::stri
     add("object", "'" + rigid.name + "': rigid, in TF frame '" + rigid.frame + "'", block);
   }
   if (parameters.objects.empty() && parameters.rigids.empty()) {
-    add("object", "none, so nothing is found: list objects in ~objects", block);
+    add("object", "none", block);
   }
 }
 

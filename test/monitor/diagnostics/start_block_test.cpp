@@ -59,7 +59,7 @@ TEST(StartBlockTest, NamesWhatNobodyConfigured) {
   none.backend = BackendChoice::kCpu;
   std::string block = describeStart(none, {nullptr, {}, "cpu", "", {}});
   for (const char* line :
-       {"\n  robot    not there yet\n", "\n  object   none, so nothing is found: list objects",
+       {"\n  robot    not there yet\n", "\n  object   none\n",
         "\n  margins  links 0 m, objects 0 m: no distances, only what touches (set margin_m)\n",
         "\n  backend  CPU, as asked for\n"}) {
     EXPECT_NE(block.find(line), std::string::npos) << line << "in:\n" << block;
