@@ -19,6 +19,7 @@
 #include <utility>
 
 #include "cuda/detector_choice.h"
+#include "monitor/diagnostics/start_block.h"
 #include "monitor/diagnostics/watches.h"
 #include "monitor/input/mesh_subscription.h"
 #include "monitor/rules/rule_texts.h"
@@ -28,8 +29,7 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Reads all parameters of the private namespace at once. Logs what is not at its default, because
-// parameters stay on the parameter server from one start to the next, and names that nothing reads.
+// Reads all parameters of the private namespace at once. Warns of names that nothing reads.
 MonitorParameters readParameters(const ros::NodeHandle& private_node) {
   XmlRpc::XmlRpcValue tree;
   ros::param::get(private_node.getNamespace(), tree);
@@ -38,14 +38,13 @@ MonitorParameters readParameters(const ros::NodeHandle& private_node) {
   for (const std::string& name : writeMarginsAsNumbers(&tree)) {
     private_node.setParam(name, tree[name]);
   }
-  std::string changed;
-  for (const std::string& value : parameters.changed) changed += "\n  " + value;
-  ROS_INFO_STREAM("on the parameter server below "
-                  << private_node.getNamespace() << ": "
-                  << (changed.empty() ? "the defaults alone" : "not the default are") << changed);
-  for (const std::string& warning : warnings) ROS_WARN_STREAM(warning);
+  for (const std::string& warning : warnings) {
+    ROS_WARN_STREAM(warning << "; see config/README.md#all-parameters");
+  }
   if (parameters.objects.empty() && parameters.rigids.empty()) {
-    ROS_WARN("~objects is empty, so no object is monitored; list objects with their topics there");
+    ROS_WARN(
+        "~objects is empty, so no object is monitored; list objects with their topics there; see "
+        "config/README.md#objects");
   }
   return parameters;
 }
@@ -121,17 +120,45 @@ void ContactMonitor::keepStatesFresh() {
 // Runs once a second in the thread that may wait for the ROS master.
 void ContactMonitor::checkInputsAndMaster() {
   try {
-    warnOfInputs();
+    lookAtInputs();
     checkMaster();
   } catch (const XmlRpc::XmlRpcException& error) {
-    ROS_WARN_STREAM("the answer of the ROS master cannot be read: " << error.getMessage());
+    ROS_WARN_STREAM("the answer of the ROS master cannot be read: "
+                    << error.getMessage() << "; see config/docs/console.md#the-ros-master");
   }
 }
 
-// Collects what is known of each object's input. A disabled monitor ignores its meshes, so it does
-// not warn.
-void ContactMonitor::warnOfInputs() {
-  if (!diagnostics_.isEnabled()) return;
+// The block is shown once the first meshes and transforms have had time to come. A disabled monitor
+// ignores its meshes, so it does not warn.
+void ContactMonitor::lookAtInputs() {
+  if (is_started_ && !diagnostics_.isEnabled()) return;
+  const std::vector<InputStatus> inputs = inputStatuses();
+  if (!std::exchange(is_started_, true)) showStart(inputs);
+  for (const std::string& warning : input_warnings_.look(
+           inputs, ros::Time::now(), ros::Time::isSimTime(), std::chrono::steady_clock::now())) {
+    ROS_WARN_STREAM(warning << "; see config/docs/console.md#no-mesh-or-a-strange-one");
+  }
+}
+
+// Shows what is watched, how, and what is still missing.
+void ContactMonitor::showStart(const std::vector<InputStatus>& inputs) {
+  const std::shared_ptr<const RobotGeometry> robot = robot_source_.newest();
+  StartFacts facts{robot.get(), {}, backend_, backend_problem_, missingInputs(inputs)};
+  for (const InputStatus& input : inputs) facts.topics.push_back(input.topic);
+  if (ros::Time::isSimTime() && ros::Time::now().isZero()) {
+    facts.missing.push_back("a time on /clock (use_sim_time is true)");
+  }
+  std::string lack;
+  if (robot != nullptr) lack = missingTransforms(parameters_, *robot, buffer_);
+  if (robot == nullptr && parameters_.pair_classes.needRobot()) {
+    lack = "link meshes on " + private_node_.resolveName("robot_link_meshes");
+  }
+  if (!lack.empty()) facts.missing.push_back(lack);
+  ROS_INFO_STREAM(describeStart(parameters_, facts));
+}
+
+// Collects what is known of each object's input.
+std::vector<InputStatus> ContactMonitor::inputStatuses() const {
   const std::map<std::string, std::string> types = publishedTypes();
   std::vector<InputStatus> inputs;
   for (std::size_t i = 0; i < subscribers_.size(); ++i) {
@@ -148,10 +175,7 @@ void ContactMonitor::warnOfInputs() {
     if (type != types.end()) input.type = type->second;
     inputs.push_back(std::move(input));
   }
-  for (const std::string& warning : input_warnings_.look(
-           inputs, ros::Time::now(), ros::Time::isSimTime(), std::chrono::steady_clock::now())) {
-    ROS_WARN_STREAM(warning);
-  }
+  return inputs;
 }
 
 // Asks every 3 s, because a restarted master is rare and an answer costs the master time.
@@ -163,8 +187,8 @@ void ContactMonitor::checkMaster() {
   if (!master_watch_.isUnregistered()) return;
   ROS_ERROR(
       "the ROS master was restarted, and this node is no longer registered with it, so nobody "
-      "finds "
-      "its topics. Load the node's parameters again and restart the node");
+      "finds its topics. Load the node's parameters again and restart the node; see "
+      "config/docs/console.md#the-ros-master");
   diagnostics_.recordUnregistered();
   is_unregistered_ = true;
 }
@@ -172,29 +196,31 @@ void ContactMonitor::checkMaster() {
 // Gives the loop its sources, its clocks, its detector and its sink, which the loop's thread uses.
 // With a tolerance or a budget, the CPU backend keeps tiles of bodies from cycle to cycle.
 std::unique_ptr<DetectionLoop> ContactMonitor::makeLoop() {
+  std::unique_ptr<Detector> detector = makeDetector(
+      parameters_.backend, WithoutCuda::kTryAgain, parameters_.cuda,
+      [this](const BackendState& state) { noteBackend(state); },
+      tradesAccuracy(parameters_) ? std::make_shared<TilingCache>() : nullptr);
+  backend_ = detector->backend();
   return std::make_unique<DetectionLoop>(
       parameters_,
       LoopSources{requests_, meshes_, buffer_, [this] { return robot_source_.newest(); },
                   [this] { return transforms_.describePublishers(); }},
       LoopTime{std::chrono::steady_clock::now, ros::Time::now, ros::Time::isSimTime()},
-      makeDetector(
-          parameters_.backend, WithoutCuda::kTryAgain, parameters_.cuda,
-          [this](const BackendState& state) { noteBackend(state); },
-          tradesAccuracy(parameters_) ? std::make_shared<TilingCache>() : nullptr),
+      std::move(detector),
       std::make_unique<CyclePublisher>(parameters_, private_node_, states_, diagnostics_));
 }
 
-// Is called by the detector: first in the constructor's thread, later in the detection thread.
+// Is called by the detector: first in the constructor's thread, later in the detection thread. That
+// `auto` finds no CUDA is known from the start on, and the block says it.
 void ContactMonitor::noteBackend(const BackendState& state) {
+  if (backend_.empty()) backend_problem_ = state.problem;
   diagnostics_.recordBackend(state);
   const BackendStatus status = backendStatus(parameters_.backend, state);
   if (status.level == diagnostic_msgs::DiagnosticStatus::ERROR) {
-    ROS_ERROR_STREAM(status.summary);
+    ROS_ERROR_STREAM(status.summary << "; see config/docs/console.md#the-backend");
   } else if (status.level == diagnostic_msgs::DiagnosticStatus::WARN) {
-    ROS_WARN_STREAM(status.summary);
-  } else if (!status.summary.empty()) {
-    ROS_INFO_STREAM(status.summary);
-  } else {
+    ROS_WARN_STREAM(status.summary << "; see config/docs/console.md#the-backend");
+  } else if (status.summary.empty()) {
     ROS_INFO("contacts are computed with CUDA again");
   }
 }
@@ -222,7 +248,7 @@ void ContactMonitor::subscribeToMeshes() {
                         << parameters_.objects[i].name
                         << "': its messages have no stamp and are stamped on receipt, so "
                            "their transport time is not known; publish a type with a "
-                           "stamp if you can");
+                           "stamp if you can; see config/README.md#objects");
       }
       meshes_[i].store(mesh);
       requests_.wake();
@@ -262,7 +288,9 @@ bool ContactMonitor::setAllowedContacts(SetAllowedContacts::Request& request,
     response.rules =
         requests_.changeAllowedContacts({request.replace != 0, request.remove, request.rules});
   } catch (const std::invalid_argument& error) {
-    ROS_ERROR_STREAM("~set_allowed_contacts: " << error.what() << "; no rule was changed");
+    ROS_ERROR_STREAM("~set_allowed_contacts: "
+                     << error.what()
+                     << "; no rule was changed; see config/README.md#what-may-touch");
     return false;
   }
   return true;
@@ -293,7 +321,9 @@ bool ContactMonitor::attachObject(AttachObject::Request& request,
         describeHeld(requests_.attach(request.object, request.links, std::move(part), grip));
     ROS_INFO_STREAM(response.message);
   } else {
-    ROS_ERROR_STREAM("~attach_object: " << response.message << "; nothing was changed");
+    ROS_ERROR_STREAM("~attach_object: "
+                     << response.message
+                     << "; nothing was changed; see config/README.md#what-may-touch");
   }
   return true;
 }
@@ -337,11 +367,13 @@ std::shared_ptr<const HeldPart> ContactMonitor::findHeld(const AttachObject::Req
 
 // Releases objects from links that a new robot lacks.
 void ContactMonitor::noteRobot() {
-  std::set<std::string> holders = robot_source_.newest()->link_names;
+  const std::shared_ptr<const RobotGeometry> robot = robot_source_.newest();
+  ROS_INFO_STREAM("a new robot is there:" << describeRobots(*robot));
+  std::set<std::string> holders = robot->link_names;
   for (const RigidParameters& rigid : parameters_.rigids) holders.insert(rigid.name);
   for (const std::string& held : requests_.releaseFromOthers(holders)) {
-    ROS_WARN_STREAM(
-        "the new robot lacks a link that held an object, which is released from it: " << held);
+    ROS_WARN_STREAM("the new robot lacks a link that held an object, which is released from it: "
+                    << held << "; see config/README.md#what-may-touch");
   }
   requests_.wake();
 }
@@ -389,7 +421,9 @@ bool ContactMonitor::reloadRobot(std_srvs::Trigger::Request& /*request*/,
   } catch (const std::exception& error) {
     response.success = false;
     response.message = error.what();
-    ROS_ERROR_STREAM("~reload_robot: " << error.what() << "; the robot stays as it was");
+    ROS_ERROR_STREAM("~reload_robot: "
+                     << error.what()
+                     << "; the robot stays as it was; see config/docs/console.md#the-robot");
   }
   return true;
 }

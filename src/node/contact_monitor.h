@@ -90,7 +90,9 @@ class ContactMonitor {
 
   // Run in the watch thread, once a second.
   void checkInputsAndMaster();
-  void warnOfInputs();
+  void lookAtInputs();
+  void showStart(const std::vector<InputStatus>& inputs);
+  std::vector<InputStatus> inputStatuses() const;
   void checkMaster();
 
   ros::NodeHandle node_, private_node_;
@@ -118,6 +120,8 @@ class ContactMonitor {
   MasterWatch master_watch_;
   SteadyTime master_due_;
   std::atomic<bool> is_unregistered_{false};
+  std::string backend_, backend_problem_;     // at the start
+  bool is_started_ = false;                   // the block of the start was shown
   std::unique_ptr<Reconfigure> reconfigure_;  // writes to the master
 
   std::unique_ptr<StateService> state_service_;  // answers planners, in threads of its own

@@ -84,13 +84,13 @@ int main(int argc, char** argv) {
       exit_code = 1;
       ROS_FATAL(
           "shutting down: this node is no longer registered with the ROS master (respawn restarts "
-          "it)");
+          "it); see config/docs/console.md#the-ros-master");
     }
   } catch (const deformable_contact_monitor::ReadingStopped&) {
     return 0;  // Ctrl-C while the robot was read
   } catch (const std::exception& error) {
     exit_code = 1;
-    ROS_FATAL_STREAM(error.what());
+    ROS_FATAL_STREAM(error.what() << "\n  see config/docs/console.md#it-does-not-start");
   }
   return exit_code;
 }

@@ -28,7 +28,7 @@ class ContactMonitorNodelet : public nodelet::Nodelet {
       monitor_ = std::make_unique<ContactMonitor>(node, private_node);
       spinner_.start();
     } catch (const std::exception& error) {
-      NODELET_FATAL_STREAM(error.what());
+      NODELET_FATAL_STREAM(error.what() << "\n  see config/docs/console.md#it-does-not-start");
       throw;
     }
   }

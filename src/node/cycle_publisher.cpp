@@ -131,7 +131,9 @@ void CyclePublisher::checkBodies(const CycleReport& report) {
     diagnostics_.recordAnomaly(object, anomaly);
   }
   if (report.containment == nullptr) return;
-  for (const std::string& line : open_bodies_.look(report)) ROS_WARN_STREAM(line);
+  for (const std::string& line : open_bodies_.look(report)) {
+    ROS_WARN_STREAM(line << "; see config/README.md#detection");
+  }
   diagnostics_.recordOpenBodies(open_bodies_.list());
 }
 

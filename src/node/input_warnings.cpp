@@ -18,7 +18,20 @@ std::string describePublishers(const InputStatus& input) {
   return text + std::to_string(input.publishers) + " publisher(s) of " + wanted + " are connected";
 }
 
+bool isPublished(const InputStatus& input) {
+  return input.type.has_value() || input.publishers > 0;
+}
+
 }  // namespace
+
+std::vector<std::string> missingInputs(const std::vector<InputStatus>& inputs) {
+  std::vector<std::string> missing;
+  for (const InputStatus& input : inputs) {
+    if (input.received > 0 || (!input.required && !isPublished(input))) continue;
+    missing.push_back("a mesh of '" + input.object + "'" + describePublishers(input));
+  }
+  return missing;
+}
 
 std::vector<std::string> InputWarnings::look(const std::vector<InputStatus>& inputs,
                                              const ros::Time& ros_time, bool is_simulated,
@@ -62,9 +75,8 @@ std::string InputWarnings::describe(const InputStatus& input, const Watch& watch
                                     SteadyTime now) const {
   std::ostringstream text;
   text << "object '" << input.object << "': ";
-  const bool is_published = input.type.has_value() || input.publishers > 0;
   if (now - watch.changed >= kPeriod) {
-    if (!input.required && !is_published) return "";
+    if (!input.required && !isPublished(input)) return "";
     text << "no mesh for " << toSeconds(now - watch.changed) << " s" << describePublishers(input);
   } else if (!input.refusal.empty()) {
     text << "mesh refused: " << input.refusal << "; it came" << describePublishers(input);

@@ -26,6 +26,10 @@ struct InputStatus {
   std::optional<std::string> type;  // of the published messages, if the master knows one
 };
 
+// Returns a line for each object of which no mesh has come yet: who publishes on its topic. An
+// object that is not required counts only if somebody publishes it.
+std::vector<std::string> missingInputs(const std::vector<InputStatus>& inputs);
+
 // Repeats a warning every 5 s while its reason lasts. Not safe for use by several threads. Reads no
 // clock.
 class InputWarnings {

@@ -98,7 +98,9 @@ Reconfigure::Reconfigure(const MonitorParameters& parameters, const ros::NodeHan
 void Reconfigure::change(ContactMonitorConfig* config) {
   std::vector<std::string> rejected;
   const LiveParameters live = fromConfig(*config, in_force_, has_robot_, &rejected);
-  for (const std::string& line : rejected) ROS_ERROR_STREAM("~set_parameters: " << line);
+  for (const std::string& line : rejected) {
+    ROS_ERROR_STREAM("~set_parameters: " << line << "; see config/README.md#while-it-runs");
+  }
   if (!(live.pair_classes == in_force_.pair_classes)) {
     private_node_.setParam("pair_classes", namesOf(live.pair_classes));
   }

@@ -27,17 +27,13 @@ bool same(const RobotGeometry& a, const RobotGeometry& b) {
                     });
 }
 
-// Logs each link with its size, then what is suspicious about the robot and its SRDF.
+// Logs what is suspicious about the robot and its SRDF, and for those who look for it each link.
 void log(const RobotGeometry& robot, const MonitorParameters& parameters) {
   for (const LinkGeometry& link : robot.links) {
-    if (link.problem.empty()) ROS_INFO_STREAM(describeLink(link, parameters));
+    if (link.problem.empty()) ROS_DEBUG_STREAM(describeLink(link, parameters));
   }
-  for (const std::string& line : robotWarnings(robot, parameters)) ROS_WARN_STREAM(line);
-  for (const DescribedRobot& one : robot.robots) {
-    if (one.srdf == Srdf()) continue;
-    ROS_INFO_STREAM("the SRDF allows contacts between links of robot '"
-                    << one.srdf.robot << "': " << one.srdf.disabled.size() << " pairs, "
-                    << one.srdf.disabled_links.size() << " links by default");
+  for (const std::string& line : robotWarnings(robot, parameters)) {
+    ROS_WARN_STREAM(line << "; see config/docs/console.md#the-robot");
   }
 }
 
@@ -130,7 +126,8 @@ void RobotSource::loadFirstSrdfs() {
       srdfs_.back() = loadSrdf(robot);
     } catch (const std::runtime_error& error) {
       if (robot.srdf != kSrdfAuto) throw;
-      ROS_ERROR_STREAM("the SRDF is not used, so its rules allow no contacts: " << error.what());
+      ROS_ERROR_STREAM("the SRDF is not used, so its rules allow no contacts: "
+                       << error.what() << "; see config/README.md#what-may-touch");
       srdf_problem_ += (srdf_problem_.empty() ? "" : "; ") + std::string(error.what());
     }
   }
@@ -175,14 +172,14 @@ void RobotSource::receive(const LinkMeshes::ConstPtr& message) {
   try {
     RobotGeometry sent = fromLinkMeshes(*message);
     const std::string ignored = ignoredLinksWarning(sent, parameters_.geometry);
-    if (!ignored.empty()) ROS_WARN_STREAM(ignored);
+    if (!ignored.empty()) ROS_WARN_STREAM(ignored << "; see config/docs/console.md#the-robot");
     RobotGeometry robot = selectedLinks(std::move(sent), parameters_.geometry);
     setSrdfs(parameters_.allRobots(), srdfs_, &robot);
     checkRobot(robot, parameters_);
     if (use(std::move(robot))) changed_();
   } catch (const std::exception& error) {
-    ROS_ERROR_STREAM(
-        "the link meshes are rejected, and the robot stays as it was: " << error.what());
+    ROS_ERROR_STREAM("the link meshes are rejected, and the robot stays as it was: "
+                     << error.what() << "; see config/docs/console.md#the-robot");
     const std::lock_guard<std::mutex> lock(mutex_);
     problem_ = error.what();
   }

@@ -57,7 +57,9 @@ bool StateService::checkStates(CheckStates::Request& request, CheckStates::Respo
   yieldToCycles();
   response.checked = questions_.answer(request.states);
   if (!response.checked.success) {
-    ROS_WARN_STREAM_THROTTLE(1, "~check_states: refused: " << response.checked.reason);
+    ROS_WARN_STREAM_THROTTLE(
+        1, "~check_states: refused: " << response.checked.reason
+                                      << "; see config/docs/plan_around_a_cloth.md");
   }
   return true;
 }
@@ -66,7 +68,9 @@ void StateService::receive(const StatesToCheck::ConstPtr& question) {
   yieldToCycles();
   const auto answer = boost::make_shared<StatesChecked>(questions_.answer(*question));
   if (!answer->success) {
-    ROS_WARN_STREAM_THROTTLE(1, "~states_to_check: refused: " << answer->reason);
+    ROS_WARN_STREAM_THROTTLE(
+        1, "~states_to_check: refused: " << answer->reason
+                                         << "; see config/docs/plan_around_a_cloth.md");
   }
   publisher_.publish(answer);
 }

@@ -52,13 +52,16 @@ void TransformInput::receive(const ros::MessageEvent<const tf2_msgs::TFMessage>&
                                       << transform.child_frame_id << "' from "
                                       << event.getPublisherName() << " is ignored: its stamp is "
                                       << secondsBetween(stamp, now)
-                                      << " s ahead of the clock; check the publisher's clock");
+                                      << " s ahead of the clock; check the publisher's clock; see "
+                                         "config/docs/console.md#no-transform");
       continue;
     }
     try {
       buffer_.setTransform(transform, event.getPublisherName(), is_static);
     } catch (const tf2::TransformException& error) {
-      ROS_WARN_STREAM_THROTTLE(1, "a transform is rejected: " << error.what());
+      ROS_WARN_STREAM_THROTTLE(
+          1, "a transform is rejected: " << error.what()
+                                         << "; see config/docs/console.md#no-transform");
     }
   }
 }

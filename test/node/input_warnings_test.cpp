@@ -55,6 +55,17 @@ TEST_F(InputWarningsTest, AMissingMeshIsNamedEveryFiveSeconds) {
   EXPECT_EQ(lookAt(cloth(), 30, 35, false).size(), 1U) << "they came until 29 s";
 }
 
+TEST_F(InputWarningsTest, WhatIsMissingAtTheStartIsNamed) {
+  InputStatus optional = cloth(), there = cloth();
+  optional.required = false;
+  there.received = 1;
+  EXPECT_EQ(
+      missingInputs({cloth(), optional, there}),
+      std::vector<std::string>{"a mesh of 'cloth' on /robot/cloth, on which nobody publishes"});
+  optional.type = "std_msgs/String";
+  EXPECT_EQ(missingInputs({optional}).size(), 1U) << "somebody publishes the wrong thing";
+}
+
 TEST_F(InputWarningsTest, APublisherOfAnotherTypeIsNamed) {
   InputStatus input = cloth();
   input.type = "std_msgs/String";

@@ -165,5 +165,87 @@ class SubprojectTest(OutsideProject):
         self.assertFalse((self.folder / "nothing").exists())
 
 
+CONTROLLER = """#include <deformable_contact_monitor/reader/contact_subscriber.h>
+#include <ros/ros.h>
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "controller");
+  if (argc > 1) return 3;  // the test has no ROS master
+  ros::NodeHandle node;
+  deformable_contact_monitor::ContactSubscriber contacts(node, "contact_monitor/contact_states", {});
+  for (ros::WallRate rate(100); ros::ok() && !contacts.mayMove("hand"); rate.sleep()) ros::spinOnce();
+}
+"""
+# What a build of the messages alone may find: ROS's packages for messages, and those of roscpp.
+MAY_BE_FOUND = {
+    "catkin", "roscpp", "geometry_msgs", "std_msgs", "message_generation", "message_runtime",
+    "genmsg", "gencpp", "geneus", "genlisp", "gennodejs", "genpy",
+    "cpp_common", "rosconsole", "roscpp_serialization", "roscpp_traits", "rosgraph_msgs", "rostime",
+    "xmlrpcpp", "PythonInterp", "Threads"}
+MAY_BE_ASKED_FOR = MAY_BE_FOUND | {"GTest", "GMock", "Python3"}  # catkin does, and goes on without
+# Stands before find_package, notes what is asked for, and lets nothing else be found.
+ONLY_THESE = """
+macro(find_package name)
+  file(APPEND ${CMAKE_BINARY_DIR}/asked.txt "${name}\\n")
+  if("${name}" MATCHES "^(%s)$")
+    _find_package(${name} ${ARGN})
+  elseif("${ARGN}" MATCHES "REQUIRED")
+    message(FATAL_ERROR "${name} is not there")
+  else()
+    set(${name}_FOUND FALSE)
+  endif()
+endmacro()
+""" % "|".join(sorted(MAY_BE_FOUND))
+
+
+class MessagesOnlyTest(unittest.TestCase):
+    """Builds and installs the messages and readers where nothing else can be found."""
+
+    def test_a_controller_needs_no_more(self):
+        folder = Path(tempfile.mkdtemp(prefix="messages_only_test_"))
+        self.addCleanup(shutil.rmtree, str(folder))
+        (folder / "only_these.cmake").write_text(ONLY_THESE)
+        (folder / "controller.cpp").write_text(CONTROLLER)
+        install = folder / "install"
+        environment = {name: value for name, value in os.environ.items() if name != "CUDACXX"}
+        environment["PATH"] = "/usr/bin:/bin"  # without nvcc
+        environment["CMAKE_PREFIX_PATH"] = ":".join(
+            path for path in os.environ.get("CMAKE_PREFIX_PATH", "").split(":")
+            if not path.startswith(str(BUILD)))
+
+        def build(name, source, *options):
+            run(cached("CMAKE_COMMAND"), "-S", source, "-B", folder / name, "-G", cached("CMAKE_GENERATOR"),
+                "-DCMAKE_CXX_COMPILER=" + cached("CMAKE_CXX_COMPILER"), *options, env=environment)
+            run(cached("CMAKE_COMMAND"), "--build", folder / name, "--", "-j2", env=environment)
+
+        build("messages", SOURCE, "-DMESSAGES_ONLY=ON", "-DCMAKE_INSTALL_PREFIX=%s" % install,
+              "-DCMAKE_PROJECT_%s_INCLUDE=%s" % (PACKAGE, folder / "only_these.cmake"))
+        asked = set((folder / "messages" / "asked.txt").read_text().split())
+        self.assertLessEqual({"catkin", "roscpp"}, asked)
+        self.assertEqual(asked - MAY_BE_ASKED_FOR, set())
+        self.assertNotIn("CMAKE_CUDA_COMPILER", (folder / "messages" / "CMakeCache.txt").read_text())
+        run(cached("CMAKE_COMMAND"), "--install", folder / "messages", env=environment)
+        self.assertFalse(list(install.rglob("*.so*")))
+        headers = {p.name for p in (install / "include" / PACKAGE).rglob("*.h")}
+        self.assertLessEqual(PUBLIC_HEADERS["reader"] | {"ContactStates.h"}, headers)
+        share = install / "share" / PACKAGE
+        for name in "package.xml", "msg/ContactStates.msg", "msg/from_0_2.bmr", "config/nodelet_plugins.xml":
+            self.assertTrue((share / name).is_file(), name)
+
+        build("controller", HERE / "controller", "-DCMAKE_PREFIX_PATH=%s" % install,
+              "-DSOURCE=%s" % (folder / "controller.cpp"))
+        done = subprocess.run([str(folder / "controller" / "controller"), "x"])
+        self.assertEqual(done.returncode, 3)
+        packages, = install.rglob("dist-packages")
+        environment["PYTHONPATH"] = "%s:%s" % (packages, os.environ.get("PYTHONPATH", ""))
+        said = run(sys.executable, "-c", "\n".join((
+            "from deformable_contact.contact_reader import ContactReader",
+            "from deformable_contact_monitor.msg import ContactStates",
+            "import deformable_contact",
+            "try: deformable_contact.Scene",
+            "except ImportError as error: print(deformable_contact.__file__, error)")), env=environment)
+        self.assertTrue(said.startswith(str(packages)), said)
+        self.assertIn("is not in a build of the messages alone", said)
+
+
 if __name__ == "__main__":
     sys.exit(unittest.main(verbosity=2))

@@ -9,6 +9,7 @@ import unittest
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rosgraph_msgs.msg import Log as ConsoleLine
 
 import boxes_scene
 from boxes_scene import CLOTH, REFERENCE_FRAME
@@ -89,6 +90,26 @@ class Startup(unittest.TestCase):
         self.assertEqual(values(found)["backend asked for"], "cuda")
         self.assertNotEqual(values(found)["backend problem"], "")
 
+    def test_the_console_says_what_is_watched_and_missing(self):
+        console = Log("/rosout", ConsoleLine)
+        for parameter, value in {**GOOD, "reference_frame": "attic", "ignored_links": ["lost"],
+                                 "objects": [{"name": "sheet", "topic": "/sheet"}]}.items():
+            rospy.set_param(f"/first_start/{parameter}", value)
+        node = subprocess.Popen([executable("contact_monitor"), "__name:=first_start"],
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(node.wait, WAIT_S)
+        self.addCleanup(node.terminate)
+        block = console.wait("the block", lambda m: m.name == "/first_start" and "\n" in m.msg)
+        self.assertEqual(block.level, ConsoleLine.INFO)
+        lines = block.msg.split("\n")
+        self.assertEqual(lines[0], "looks for contacts in frame 'attic':")
+        for line in ("  missing  a mesh of 'sheet' on /sheet, on which nobody publishes",
+                     "  missing  TF of 2 of 2 links: TF frame 'attic' never seen"):
+            self.assertIn(line, lines)
+        with console.condition:
+            before = [m.msg for m in console.messages if m.name == "/first_start"]
+        self.assertEqual(before[0], block.msg)
+
     def test_bad_parameters_are_refused_all_of_them(self):
         bad = {"tf_timeout_s": 7.5, "predicates": "sloppy", "max_contacts": -3,
                "overlap": "much", "pair_classes": ["robot_robot"],
@@ -102,10 +123,10 @@ class Startup(unittest.TestCase):
 
     def test_two_objects_with_one_topic_are_refused(self):
         objects = [{"name": "cloth", "topic": "/cloth"}, {"name": "cable", "topic": "cloth"}]
-        code, output = start_and_fail("one_topic", {**GOOD, "objects": objects, "margin_m": "1e-3"})
+        code, output = start_and_fail("one_topic", {**GOOD, "objects": objects})
         self.assertGreater(code, 0, output)
         self.assertIn("objects 'cloth' and 'cable' have one topic, /cloth", output)
-        self.assertIn("margin 0.001 m", output)
+        self.assertIn("see config/docs/console.md#it-does-not-start", output)
 
     def test_a_robot_that_cannot_be_had_is_refused(self):
         code, output = start_and_fail("no_robot", {**GOOD, "robot_description": "/nowhere"})

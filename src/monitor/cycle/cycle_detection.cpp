@@ -167,7 +167,8 @@ void CycleDetection::runInterval(const Options& options, Scene* scene, Interval*
     sweep->result = interval->result;
     noteRejectedOfInterval(*scene, sweep);
   } catch (const std::exception& error) {
-    ROS_ERROR_STREAM("the step's detection failed, its pairs are UNKNOWN: " << error.what());
+    ROS_ERROR_STREAM("the step's detection failed, its pairs are UNKNOWN: "
+                     << error.what() << "; see config/docs/console.md#detection-fails");
     sweep->result = nullptr;
     sweep->problem = error.what();
   }

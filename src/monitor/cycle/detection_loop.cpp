@@ -39,9 +39,6 @@ DetectionLoop::DetectionLoop(const MonitorParameters& parameters, LoopSources so
       planner_(parameters),
       detection_(*detector_, {parameters.containment, parameters.swept_tolerance_m, true}),
       deletions_(inputs_.size()) {
-  ROS_INFO_STREAM("monitoring " << inputs_.size() << " object(s) in frame '"
-                                << parameters_.reference_frame << "' on the "
-                                << detector_->backend());
   noteRules();
 }
 
@@ -71,7 +68,8 @@ SteadyTime DetectionLoop::step() {
     if (clock_.mustBeat(time_.steady()) && scheduler_.isEmpty()) heartbeat();
     return turn.empty() ? wakeTime() : time_.steady();
   } catch (const std::exception& error) {
-    ROS_ERROR_STREAM("cycle failed: " << error.what());
+    ROS_ERROR_STREAM("cycle failed: " << error.what()
+                                      << "; see config/docs/console.md#detection-fails");
     sink_->recordDetectorError(error.what());
     return clock_.retryTime(time_.steady());
   }
@@ -117,7 +115,7 @@ TransformReport DetectionLoop::prepare(const ros::Time& t, const CycleTrigger& t
   TransformReport transforms = scene_.prepare(t, trigger, inputs_, lookup_);
   if (scene_.rules().ended_holds.size() == before) return transforms;
   for (const std::string& held : sources_.requests.endHolds(scene_.rules().ended_holds)) {
-    ROS_WARN_STREAM("no longer held: " << held);
+    ROS_WARN_STREAM("no longer held: " << held << "; see config/README.md#what-may-touch");
   }
   noteRules();
   return transforms;
@@ -178,7 +176,7 @@ void DetectionLoop::warnOfUnknownNames() {
   names_checked_ = true;
   for (const std::string& line :
        describeUnknownNames(parameters_, scene_.rules().allowed, scene_.bodies())) {
-    ROS_WARN_STREAM(line);
+    ROS_WARN_STREAM(line << "; see config/README.md#what-may-touch");
   }
 }
 
@@ -351,7 +349,8 @@ CycleReport DetectionLoop::findContacts(const ros::Time& t, const CycleTrigger& 
     detection_.run(limits, sink_->wantsGeometry(), &scene_.sceneOfStep(), &report);
     sink_->recordDetectorError(stepProblem(report));
   } catch (const std::exception& error) {
-    ROS_ERROR_STREAM("detection failed, every pair of the cycle is UNKNOWN: " << error.what());
+    ROS_ERROR_STREAM("detection failed, every pair of the cycle is UNKNOWN: "
+                     << error.what() << "; see config/docs/console.md#detection-fails");
     sink_->recordDetectorError(error.what());
   }
   report.now = time_.ros();
@@ -450,7 +449,9 @@ void DetectionLoop::lookAtTransforms(const TransformReport& transforms) {
   };
   const TransformWarnings::Said said = transform_warnings_.look(transforms, surroundings, now);
   for (const std::string& line : said.news) ROS_INFO_STREAM(line);
-  for (const std::string& line : said.warnings) ROS_WARN_STREAM(line);
+  for (const std::string& line : said.warnings) {
+    ROS_WARN_STREAM(line << "; see config/docs/console.md#no-transform");
+  }
 }
 
 }  // namespace deformable_contact_monitor

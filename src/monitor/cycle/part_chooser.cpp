@@ -49,7 +49,9 @@ void PartChooser::update(const IncomingMesh& mesh) {
     problem_.clear();
   } catch (const std::invalid_argument& error) {
     named_.clear();
-    if (problem_ != error.what()) ROS_WARN_STREAM("parts are UNKNOWN: " << error.what());
+    if (problem_ != error.what()) {
+      ROS_WARN_STREAM("parts are UNKNOWN: " << error.what() << "; see config/README.md#parts");
+    }
     problem_ = error.what();
   }
   makePieces();

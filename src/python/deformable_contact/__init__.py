@@ -18,7 +18,13 @@ def __getattr__(name):
     # At first use: whoever reads messages alone does not load the detector.
     if name not in __all__ + _WITH_ROS:
         raise AttributeError("module %r has no attribute %r" % (__name__, name))
-    core = importlib.import_module("._core", __name__)
+    try:
+        core = importlib.import_module("._core", __name__)
+    except ModuleNotFoundError as error:
+        if error.name != __name__ + "._core":
+            raise
+        raise ImportError("%s.%s is not in a build of the messages alone (MESSAGES_ONLY)"
+                          % (__name__, name)) from None
     if name in _WITH_ROS and not hasattr(core, name):
         raise AttributeError("%s.%s needs a build with ROS, which finds and reads the files of a "
                              "URDF" % (__name__, name))
