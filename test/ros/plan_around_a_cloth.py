@@ -2,13 +2,8 @@
 """Runs the example of config/docs/plan_around_a_cloth.md unchanged, and samples its path densely:
 no state touches the cloth, by the service without a margin and by the oracle. The straight path
 would. The MoveIt example says the same, with stand-ins of MoveIt's classes."""
-import pathlib
-import re
-import shutil
 import subprocess
 import sys
-import tempfile
-import unittest
 
 import numpy as np
 import rospy
@@ -20,33 +15,21 @@ from deformable_contact_monitor.srv import CheckStates
 from monitor_test_support import (
     PACKAGE, WAIT_S, ContactState, Log, Monitor, executable, oracle_pairs, to_mesh, touching,
     wait_until)
+from pages import SOURCE, Page, PageCase
 from pose_meshes import posed
 
-SOURCE = pathlib.Path(__file__).resolve().parents[2]
-PAGE = SOURCE / "config" / "docs" / "plan_around_a_cloth.md"
 EXAMPLE = SOURCE / "src" / "python" / "examples" / "plan_around_cloth.py"
 DENSE = 4000  # states of each piece of the path; neighbours are some 0.5 mm apart at the fingers
 ORACLE_EVERY = 400
 
 
-class PlanAroundACloth(unittest.TestCase):
-
-    def start(self, *command, **options):
-        process = subprocess.Popen(command, **options)
-        self.addCleanup(process.wait, 60)
-        self.addCleanup(process.terminate)
+class PlanAroundACloth(PageCase):
 
     def start_all(self):
-        folder = pathlib.Path(tempfile.mkdtemp())
-        self.addCleanup(shutil.rmtree, folder)
-        page = PAGE.read_text()
-        (yaml,) = re.findall("```yaml\n(.*?)```", page, re.S)
-        _, program = re.findall("```python\n(.*?)```", page, re.S)
-        (folder / "monitor.yaml").write_text(yaml)
-        (folder / "publisher.py").write_text(program)
-        self.start(sys.executable, "publisher.py", cwd=str(folder))
+        folder = self.folder_of(Page("plan_around_a_cloth.md"))
+        self.terminal(f"{sys.executable} publisher.py", folder)
         self.arm = Arm()
-        self.start("roslaunch", PACKAGE, "contact_monitor.launch", f"config:={folder}/monitor.yaml")
+        self.terminal(f"roslaunch {PACKAGE} contact_monitor.launch config:=$PWD/monitor.yaml", folder)
         service = "/contact_monitor/check_states"
         rospy.wait_for_service(service, WAIT_S)
         self.service = rospy.ServiceProxy(service, CheckStates)
