@@ -21,6 +21,10 @@ def messages(path):
         return [(topic, t, message) for topic, message, t in bag.read_messages()]
 
 
+def stamps(path):
+    return [(topic, t) for topic, t, _ in messages(path)]
+
+
 class Tutorials(PageCase):
 
     def follow(self, name):
@@ -114,6 +118,30 @@ class Tutorials(PageCase):
         recorder.stop()
         self.assertTrue((self.folder / "run.bag").exists())
 
+    def test_fields(self):
+        commands = self.follow("fields.md")
+        promised = {"suture": r"pairs: thread-tissue \d",
+                    "bed_sheet": r" 4 s \| +\d+ cycles, [^|]*\| no contact\n",  # the hem is held
+                    "wire_harness": r"\d cycles, [^|]*\| no contact\n"}
+        for line in commands:
+            if line.startswith("roslaunch"):
+                field = line.split()[-1].replace(".launch", "")
+                launched = self.start(line)
+                launched.wait(promised.pop(field))
+                launched.stop()
+            elif "evaluate_bag" in line:
+                self.output(line)
+                expected, = re.findall(r"--expect (\S+)", line)
+                for right, wrong in (("never", "sometime"), (r"keeps_m: 0\.\d+", "keeps_m: 9")):
+                    text = re.sub(right, wrong, (SOURCE / expected).read_text())
+                    (self.folder / "wrong.yaml").write_text(text)
+                    self.output(line.replace(expected, "wrong.yaml"), succeeds=False)
+            else:
+                self.output(line)
+                bag, = re.findall(r"--bag (\S+)", line)
+                self.assertEqual(stamps(self.folder / bag), stamps(SOURCE / "config/fields" / bag))
+        self.assertEqual(promised, {})
+
     def check_report(self, folder):
         """The page tells what is in it."""
         report = (folder / "report.html").read_text()
@@ -133,10 +161,8 @@ class Tutorials(PageCase):
 
     def check_bag(self, path):
         """The command of the page makes the bag that is shipped."""
-        made, shipped = messages(path), messages(BAG)
-        self.assertEqual([(topic, t) for topic, t, _ in made],
-                         [(topic, t) for topic, t, _ in shipped])
-        for (topic, t, one), (_, _, other) in zip(made, shipped):
+        self.assertEqual(stamps(path), stamps(BAG))
+        for (topic, t, one), (_, _, other) in zip(messages(path), messages(BAG)):
             if topic == "/joint_states":
                 np.testing.assert_allclose(one.position, other.position, atol=1e-12)
             elif topic == "/deformable_mesh":
