@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The pages that config/docs/Doxyfile makes: without a warning, of all that others see."""
+"""The site that config/docs/Doxyfile makes: without a warning, with all tutorials, and of all that others see."""
 import os
 import re
 import subprocess
@@ -45,6 +45,15 @@ class Docs(unittest.TestCase):
                 if name.endswith(".html"):
                     with open(os.path.join(folder, "html", name)) as file:
                         pages[name] = file.read()
+            for name, page in pages.items():
+                for picture in re.findall(r'<img src="([^":]+)"', page):
+                    self.assertTrue(os.path.exists(os.path.join(folder, "html", picture)),
+                                    f"{name}: {picture}")
+        start = pages["index.html"]
+        for name in os.listdir(os.path.join(SOURCE_DIR, "config", "docs")):
+            if name.endswith(".md") and name != "main_page.md":
+                self.assertIn(f'"config_docs_{name[:-3]}.html"', start)
+        self.assertLess(start.index("config_docs_start"), start.index("msg_README"))
         prefix = "structdeformable__contact__monitor_1_1"
         messages = [name[:-4] for name in os.listdir(os.path.join(SOURCE_DIR, "msg"))
                     if name.endswith(".msg")]

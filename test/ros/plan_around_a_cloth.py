@@ -18,7 +18,6 @@ from monitor_test_support import (
 from pages import SOURCE, Page, PageCase
 from pose_meshes import posed
 
-EXAMPLE = SOURCE / "src" / "python" / "examples" / "plan_around_cloth.py"
 DENSE = 4000  # states of each piece of the path; neighbours are some 0.5 mm apart at the fingers
 ORACLE_EVERY = 400
 
@@ -26,10 +25,12 @@ ORACLE_EVERY = 400
 class PlanAroundACloth(PageCase):
 
     def start_all(self):
-        folder = self.folder_of(Page("plan_around_a_cloth.md"))
-        self.terminal(f"{sys.executable} publisher.py", folder)
+        page = Page("plan_around_a_cloth.md")
+        folder = self.folder_of(page)
+        publish, launch, self.plan = page.commands()[-3:]  # Arm and rostest do what precedes
+        self.terminal(publish, folder)
         self.arm = Arm()
-        self.terminal(f"roslaunch {PACKAGE} contact_monitor.launch config:=$PWD/monitor.yaml", folder)
+        self.terminal(launch, folder)
         service = "/contact_monitor/check_states"
         rospy.wait_for_service(service, WAIT_S)
         self.service = rospy.ServiceProxy(service, CheckStates)
@@ -62,8 +63,8 @@ class PlanAroundACloth(PageCase):
         self.cloth = to_mesh(message.vertices, message.triangles)
         self.links = monitor.robot_meshes(monitor.robot_meshes_log())
         del self.links["base_link"]
-        done = subprocess.run([sys.executable, str(EXAMPLE)], stdout=subprocess.PIPE, check=True,
-                              universal_newlines=True, timeout=WAIT_S)
+        done = subprocess.run(["bash", "-c", self.plan], cwd=str(SOURCE), stdout=subprocess.PIPE,
+                              check=True, universal_newlines=True, timeout=WAIT_S)
         path = np.array([line.split() for line in done.stdout.splitlines()], float)
         self.assertEqual(path.shape, (3, 4))
         for a, b in zip(path, path[1:]):

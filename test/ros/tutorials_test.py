@@ -132,10 +132,9 @@ class Tutorials(PageCase):
             elif "evaluate_bag" in line:
                 self.output(line)
                 expected, = re.findall(r"--expect (\S+)", line)
-                for right, wrong in (("never", "sometime"), (r"keeps_m: 0\.\d+", "keeps_m: 9")):
-                    text = re.sub(right, wrong, (SOURCE / expected).read_text())
-                    (self.folder / "wrong.yaml").write_text(text)
-                    self.output(line.replace(expected, "wrong.yaml"), succeeds=False)
+                text = (SOURCE / expected).read_text().replace("never", "sometime")
+                (self.folder / "wrong.yaml").write_text(text)
+                self.output(line.replace(expected, "wrong.yaml"), succeeds=False)
             else:
                 self.output(line)
                 bag, = re.findall(r"--bag (\S+)", line)
