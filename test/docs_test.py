@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The site that config/docs/Doxyfile makes: without a warning, with all tutorials, and of all that others see."""
+"""The site that config/docs/Doxyfile makes: without a warning, with all pages and all that others
+see."""
 import os
 import re
 import subprocess

@@ -1,9 +1,9 @@
 // Writes how the CPU backend divides a cloth into clusters and sorts them, for draw_pictures.py.
 //
-//   prototype CLUSTER X Y Z                             [m]
-//   axis CLUSTER X Y Z                                  first principal axis, of length 1
-//   triangle CLUSTER CLUSTERS X Y Z ... LOW HIGH        nine coordinates [m]; its interval along that
-//                                                       axis, scaled; in the sorted order
+//   prototype CLUSTER X Y Z                          [m]
+//   axis CLUSTER X Y Z                               first principal axis, of length 1
+//   triangle CLUSTER CLUSTERS X Y Z ... LOW HIGH     nine coordinates [m]; its interval along that
+//                                                    axis, scaled. Lines are in the sorted order.
 // CLUSTERS is the number of clusters that a triangle is in; it has a line in each of them.
 #include <cstdio>
 

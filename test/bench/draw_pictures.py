@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""Draws the pictures of how_it_works.md and of README.md beside this file: draw_pictures.py DATA FOLDER
+"""Draws the pictures of how_it_works.md and of README.md beside this file.
+
+Usage: draw_pictures.py DATA FOLDER
 
 DATA is what cluster_data printed. The figures of speed.png are read from README.md's tables.
 """
@@ -28,7 +30,8 @@ def read(path):
             if kind == "triangle":
                 triangles.append(numbers)
             else:
-                {"prototype": prototypes, "axis": axes}[kind][int(numbers[0])] = np.array(numbers[1:])
+                vectors = prototypes if kind == "prototype" else axes
+                vectors[int(numbers[0])] = np.array(numbers[1:])
     return prototypes, axes, np.array(triangles)
 
 
@@ -50,7 +53,7 @@ def draw_clusters(prototypes, triangles, path):
 
 
 def draw_interval(axes, triangles, path):
-    """One cluster with its first principal axis, and intervals of its triangles along it, sorted."""
+    """One cluster with its first principal axis, and its triangles' intervals along it, sorted."""
     mine = triangles[triangles[:, 0] == SHOWN]
     corners = mine[:, 2:11].reshape(-1, 3, 3)
     first = axes[SHOWN]
@@ -60,10 +63,13 @@ def draw_interval(axes, triangles, path):
     second = np.cross(np.cross(first, across), first)
     second /= np.linalg.norm(second)
     flat = np.stack([(corners - middle) @ first, (corners - middle) @ second], axis=-1)
-    figure, (above, below) = plt.subplots(2, 1, figsize=(6, 5.4), gridspec_kw={"height_ratios": (3, 2)})
-    above.add_collection(PolyCollection(flat, facecolors="#9fc3d9", edgecolors="#5b89a3", linewidths=0.2))
+    figure, (above, below) = plt.subplots(2, 1, figsize=(6, 5.4),
+                                          gridspec_kw={"height_ratios": (3, 2)})
+    above.add_collection(
+        PolyCollection(flat, facecolors="#9fc3d9", edgecolors="#5b89a3", linewidths=0.2))
     low, high = flat[..., 0].min(), flat[..., 0].max()
-    above.annotate("", (high, 0), (low, 0), arrowprops={"arrowstyle": "->", "color": "tab:red", "lw": 2})
+    above.annotate("", (high, 0), (low, 0),
+                   arrowprops={"arrowstyle": "->", "color": "tab:red", "lw": 2})
     above.set_aspect("equal")
     above.autoscale_view()
     above.axis("off")
@@ -73,7 +79,8 @@ def draw_interval(axes, triangles, path):
     below.add_collection(LineCollection(rows, colors="#5b89a3", linewidths=2))
     below.autoscale_view()
     below.axis("off")
-    below.set_title(f"intervals of {ROWS} of its {len(mine)} triangles along that axis, sorted", fontsize=10)
+    below.set_title(f"intervals of {ROWS} of its {len(mine)} triangles along that axis, sorted",
+                    fontsize=10)
     figure.tight_layout()
     figure.savefig(path, dpi=90, bbox_inches="tight")
 

@@ -46,8 +46,8 @@ class Terminal:
     def __init__(self, line, **options):
         self.line = line
         self._log = tempfile.TemporaryFile("w+", errors="replace")
-        self._process = subprocess.Popen(["bash", "-c", line], stdout=self._log, start_new_session=True,
-                                         stderr=subprocess.STDOUT, **options)
+        self._process = subprocess.Popen(["bash", "-c", line], start_new_session=True,
+                                         stdout=self._log, stderr=subprocess.STDOUT, **options)
 
     def text(self):
         self._log.seek(0)
