@@ -69,7 +69,7 @@ class PythonRobot {
       *to++ = joint.lower;
       *to++ = joint.upper;
     }
-    return std::move(list);
+    return py::array(std::move(list));
   }
 
   std::vector<std::string> links() const {
@@ -127,7 +127,7 @@ class PythonRobot {
       poses_.pose(numbers.data() + i * static_cast<std::size_t>(joints), of_state.data());
       for (const std::size_t place : places_) to = writeMatrix(of_state[place], to);
     }
-    return std::move(matrices);
+    return py::array(std::move(matrices));
   }
 
  private:

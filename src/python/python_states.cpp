@@ -87,7 +87,7 @@ py::array flags(const std::vector<StateAnswer>& states, bool (*is)(PairDecision)
   py::array_t<bool> list(std::vector<std::size_t>{states.size()});
   bool* const to = list.mutable_data();
   for (std::size_t i = 0; i < states.size(); ++i) to[i] = is(states[i].decision);
-  return std::move(list);
+  return py::array(std::move(list));
 }
 
 // Returns an array with a row for each state, filled by write(answer, row).
@@ -103,7 +103,7 @@ py::object rows(const std::vector<StateAnswer>& states, std::vector<std::size_t>
     write(answer, to);
     to += width;
   }
-  return std::move(list);
+  return py::object(std::move(list));
 }
 
 void writePoint(const Vec3f& point, float* to) {

@@ -1,7 +1,11 @@
 // Checks of states on CUDA whose lists have no room at first, beside the CPU.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <random>
 #include <vector>
 
 #include "core/state_checker.h"
@@ -45,18 +49,33 @@ class StatesOnCuda : public testing::Test {
   const std::unique_ptr<StateChecker> cpu_ = makeCpuStateChecker();
 };
 
-// Some 500 pairs of tiles in each state, of which a million have room.
+// Some 500 pairs of tiles in each state, of which a million have room. One vertex alone reaches
+// through the other cloth, so that a state is wrong if its pair of tiles is lost.
 TEST_F(StatesOnCuda, DecideMoreTilesThanAreListed) {
   if (checker_ == nullptr) return;
   const TriangleMesh cloth = clothGrid(30, 1, 0, 0.5F);
-  const Scene scene = pairScene(cloth, cloth);
+  TriangleMesh spiked = cloth;
+  spiked.vertices[3 * (spiked.vertexCount() / 2) + 2] -= 0.3F;
+  const Scene scene = pairScene(cloth, spiked);
   expectAsOnCpu(scene, {}, 3000, 1e-5);
+}
+
+// Returns a flat cloth whose triangles are in random order, so that the first one lies anywhere.
+TriangleMesh shuffledCloth(std::uint32_t seed) {
+  TriangleMesh cloth = clothGrid(40, 1, 0, 0);
+  std::mt19937 random(seed);
+  for (std::size_t i = cloth.triangleCount() - 1; i > 0; --i) {
+    const auto triangle = cloth.triangles.begin() + 3 * static_cast<std::ptrdiff_t>(i);
+    std::swap_ranges(triangle, triangle + 3,
+                     cloth.triangles.begin() + 3 * static_cast<std::ptrdiff_t>(random() % i));
+  }
+  return cloth;
 }
 
 // Flat cloths above each other: all triangles are equally near.
 TEST_F(StatesOnCuda, ChooseAmongMoreTrianglesThanHaveRoom) {
   if (checker_ == nullptr) return;
-  Scene scene = pairScene(clothGrid(40, 1, 0, 0), clothGrid(40, 1, 0, 0));
+  Scene scene = pairScene(shuffledCloth(1), shuffledCloth(2));
   scene.setMargin(0, 1);
   StateOptions options;
   options.nearest = options.pairs = true;

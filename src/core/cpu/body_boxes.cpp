@@ -1,7 +1,9 @@
 #include "core/cpu/body_boxes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <type_traits>
 
 #include "core/common/parallel.h"
 #include "core/common/posed_body.h"
@@ -73,8 +75,14 @@ Aabb boxOfFiniteVertices(const HostList<float>& xyz, std::size_t every, const Cy
 }
 
 // Selects the part of a stored box that a primitive's box type needs.
-const Aabb& boxAs(const MovingBox& box, const Aabb& /*as*/) { return box.to; }
-const MovingBox& boxAs(const MovingBox& box, const MovingBox& /*as*/) { return box; }
+template <class Box>
+const Box& boxAs(const MovingBox& box) {
+  if constexpr (std::is_same_v<Box, Aabb>) {
+    return box.to;
+  } else {
+    return box;
+  }
+}
 
 }  // namespace
 
@@ -127,10 +135,10 @@ PartnerBoxes<BoxOf<Primitive>> BodyBoxes::partnersOf(const Scene& scene, BodyId 
   using Box = BoxOf<Primitive>;
   PartnerBoxes<Box> partners;
   partners.self = scene.pairEnabled(id, id);
-  const Box& own = boxAs(posed_[id], Box());
+  const Box& own = boxAs<Box>(posed_[id]);
   for (BodyId other = 0; other < scene.bodyCount(); ++other) {
     if (other == id || !scene.pairEnabled(id, other)) continue;
-    const Box& its = boxAs(posed_[other], Box());
+    const Box& its = boxAs<Box>(posed_[other]);
     if (!intersects(own, its)) continue;
     partners.boxes.push_back(its);
     partners.bound.include(its);
