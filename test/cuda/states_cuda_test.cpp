@@ -57,7 +57,7 @@ TEST_F(StatesOnCuda, DecideMoreTilesThanAreListed) {
   TriangleMesh spiked = cloth;
   spiked.vertices[3 * (spiked.vertexCount() / 2) + 2] -= 0.3F;
   const Scene scene = pairScene(cloth, spiked);
-  expectAsOnCpu(scene, {}, 3000, 1e-5);
+  expectAsOnCpu(scene, {}, 6000, 5e-6);
 }
 
 // Returns a flat cloth whose triangles are in random order, so that the first one lies anywhere.

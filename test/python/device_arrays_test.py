@@ -215,6 +215,24 @@ class OnADevice(unittest.TestCase):
                 self.assertEqual(mesh_scenes.as_set(detector.detect(device).pairs), expected)
                 self.assertEqual(mesh_scenes.as_set(detector.detect(host).pairs), expected)
 
+    def test_states_of_poses_on_the_device_are_those_on_the_host(self):
+        driver = driver_or_skip()
+        rng = numpy.random.default_rng(1)
+        scene = Scene()
+        bodies = [scene.add_body(name, *mesh_scenes.soup(rng, 60)) for name in ("still", "moved")]
+        scene.set_pair_enabled(*bodies)
+        scene.set_margin(bodies[0], 1)
+        poses = numpy.tile(numpy.eye(4), (200, 1, 1, 1))
+        poses[:, 0, :3, 3] = rng.uniform(-6, 6, (200, 3))
+        for kind, stream in (("<f8", 1), ("<f4", driver.stream())):
+            given = poses.astype(kind)
+            array = driver.array(given, typestr=kind, stream=stream)
+            expected = StateChecker("cpu").check(scene, bodies[1:], given, nearest=True)
+            for backend in "cuda", "cpu":
+                states = StateChecker(backend).check(scene, bodies[1:], array, nearest=True)
+                numpy.testing.assert_array_equal(states.distances, expected.distances)
+            self.assertTrue(0 < expected.touches.sum() < 200)
+
     def test_arrays_of_other_libraries_while_their_streams_still_write(self):
         driver_or_skip()
         tried = 0
