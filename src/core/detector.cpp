@@ -1,7 +1,6 @@
 #include "core/detector.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace deformable_contact_monitor {
 

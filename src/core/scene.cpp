@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cmath>
 #include <stdexcept>
-#include <utility>
 
 namespace deformable_contact_monitor {
 namespace {

@@ -5,11 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "core/ccd/body_motion.h"
 #include "core/ccd/pad_times.h"
@@ -17,7 +15,6 @@
 #include "core/common/part_table.h"
 #include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
-#include "core/detector.h"
 #include "core/vector3.h"
 
 namespace deformable_contact_monitor {

@@ -7,18 +7,13 @@
 #include "core/tiling.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
 #include "core/common/cycle_limit.h"
 #include "core/predicates/aabb.h"
-#include "core/triangle_mesh.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -3,10 +3,6 @@
 
 #include <algorithm>
 
-#include "core/steady_time.h"
-#include "monitor/diagnostics/watches.h"
-#include "monitor/time_difference.h"
-
 namespace deformable_contact_monitor {
 
 using diagnostic_msgs::DiagnosticStatus;

@@ -3,12 +3,9 @@
 #include "python/array_arguments.h"
 
 #include <algorithm>
-#include <cstddef>
-#include <limits>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "cuda/memory/copy_from_device.h"
 

@@ -12,7 +12,6 @@
 #include <string>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include "core/mesh_file.h"
 #include "python/python_detector.h"

@@ -5,9 +5,7 @@
 #include <pybind11/stl.h>
 
 #include <chrono>
-#include <cstdint>
 #include <initializer_list>
-#include <memory>
 #include <set>
 #include <stdexcept>
 
@@ -123,11 +121,6 @@ std::unique_ptr<PythonDetector> makePythonDetector(
                                           toSettings(device, memory_limit_mib), options);
 }
 
-// Returns the text of repr().
-std::string describe(const PythonDetector& detector) {
-  return "<Detector: backend " + detector.backend() + ">";
-}
-
 }  // namespace
 
 CudaSettings toSettings(std::int64_t device, std::int64_t memory_limit_mib) {
@@ -160,71 +153,41 @@ SteadyTime deadlineIn(std::optional<double> max_time_s) {
                                                 std::chrono::duration<double>(*max_time_s));
 }
 
-// A backend that was asked for by name must work; "auto" tries CUDA again later.
 PythonDetector::PythonDetector(BackendChoice choice, const CudaSettings& settings,
                                const Options& options)
-    : options_(options) {
-  requireValid(options_);
-  const auto without_cuda =
-      choice == BackendChoice::kCuda ? WithoutCuda::kRefuse : WithoutCuda::kTryAgain;
-  if (options_.tolerance_m > 0) tilings_ = std::make_shared<TilingCache>();
-  CudaSettings warm = settings;
-  warm.warm_up = options_;
-  detector_ = makeDetector(
-      choice, without_cuda, warm, [this](const BackendState& state) { state_ = state; }, tilings_);
-  update();
-}
+    : PythonDetector(choice, settings, options,
+                     options.tolerance_m > 0 ? std::make_shared<TilingCache>() : nullptr) {}
 
-// Releases Python's global lock while it detects, so that other Python threads run. The scene is
-// locked against changes meanwhile. The result is copied after the lock is held again, because
-// making numpy arrays needs it.
+PythonDetector::PythonDetector(BackendChoice choice, const CudaSettings& settings,
+                               const Options& options, const std::shared_ptr<TilingCache>& tilings)
+    : PythonBackend({"Detector", "detector", "detect()"}, choice,
+                    [&](WithoutCuda without_cuda, const auto& tell) {
+                      requireValid(options);
+                      CudaSettings warm = settings;
+                      warm.warm_up = options;
+                      return makeDetector(choice, without_cuda, warm, tell, tilings);
+                    }),
+      options_(options),
+      tilings_(tilings) {}
+
+// The result is copied after Python's global lock is held again, because making numpy arrays needs
+// it.
 PythonResult PythonDetector::detect(PythonScene* scene, std::optional<double> max_time_s) {
   requireUnused();
   warnIfNothingIsEnabled(scene->scene());
   Options options = options_;
   options.limits.deadline = deadlineIn(max_time_s);
-  const DetectionResult* result = nullptr;
-  {
-    // From here on, changes of the scene throw.
-    const PythonScene::Looking looking(scene);
-    // Ends with the global lock taken again, whatever detect() throws.
-    struct Detecting {
-      PythonDetector* self;
-      ~Detecting() {
-        self->detecting_.clear();
-        self->update();
-      }
-    } const detecting{this};
-    detecting_.set();
-    const py::gil_scoped_release others_run;
+  const DetectionResult& result = run(scene, [&](Detector* detector) -> const DetectionResult& {
     makeTilings(scene->scene(), options);
-    result = &detector_->detect(scene->scene(), options);
-  }
-  return {*result, backend_, scene->scene(), options_};
-}
-
-// Forgets everything that a warm start needs.
-void PythonDetector::reset() {
-  requireUnused();
-  detector_->reset();
-}
-
-// One detector cannot run two detections at once.
-void PythonDetector::requireUnused() const {
-  if (detecting_.isInherited()) {
-    throw std::runtime_error(
-        "this process was forked while another thread was in the detector's detect(): make another "
-        "Detector");
-  }
-  if (detecting_.isSet()) {
-    throw std::runtime_error("the detector is in use by another thread's detect()");
-  }
+    return detector->detect(scene->scene(), options);
+  });
+  return {result, backend(), scene->scene(), options_};
 }
 
 // A cache begins a tiling when it was asked for it several times, once per cycle. Bodies that get
 // none for want of memory cost nothing but these calls.
 void PythonDetector::makeTilings(const Scene& scene, const Options& options) {
-  if (tilings_ == nullptr || backend_ != "cpu" || options.limits.any()) return;
+  if (tilings_ == nullptr || backend() != "cpu" || options.limits.any()) return;
   std::set<BodyId> bodies;
   for (const auto& [a, b] : scene.enabledPairs()) {
     if (a != b) bodies.insert({a, b});
@@ -240,19 +203,14 @@ void PythonDetector::makeTilings(const Scene& scene, const Options& options) {
   if (!all_are_there) tilings_->wait();
 }
 
-// Copies backend and problem while no detection runs, so that Python may read them at any time.
-void PythonDetector::update() {
-  backend_ = detector_->backend();
-  backend_problem_ = state_.problem;
-}
-
 // Arguments are in the order of the stub file.
 void bindDetector(py::module& module) {
   using Self = PythonDetector;
   const Options options;
   const CudaSettings settings;
   const auto memory_limit_mib = static_cast<std::int64_t>(settings.memory_limit_bytes >> 20);
-  py::class_<Self>(module, "Detector", kDetectorText)
+  py::class_<Self> detector(module, "Detector", kDetectorText);
+  detector
       .def(py::init(&makePythonDetector), py::arg("backend") = toString(BackendChoice::kAuto),
 #if PYBIND11_VERSION_MAJOR > 2 || PYBIND11_VERSION_MINOR >= 6
            py::kw_only(),
@@ -269,15 +227,8 @@ void bindDetector(py::module& module) {
            py::arg("near_pairs") = options.near_pairs,
            py::arg("nearest_by_part") = options.nearest_by_part, kInitText)
       .def("detect", &Self::detect, py::arg("scene").none(false),
-           py::arg("max_time_s") = py::none(), kDetectText)
-      .def("reset", &Self::reset,
-           "Forgets what earlier cycles left; exact results never depend on it.")
-      .def_property_readonly("backend", &Self::backend,
-                             "What ran last, or will run first: 'cpu' or 'cuda'.")
-      .def_property_readonly("backend_problem", &Self::backendProblem,
-                             "Why 'auto' does not use CUDA, one line; empty: it does, or the CPU "
-                             "was asked for.")
-      .def("__repr__", &describe);
+           py::arg("max_time_s") = py::none(), kDetectText);
+  bindBackend(&detector, "Forgets what earlier cycles left; exact results never depend on it.");
 }
 
 }  // namespace deformable_contact_monitor

@@ -5,7 +5,6 @@
 #include <pybind11/stl.h>
 
 #include <stdexcept>
-#include <utility>
 
 #include "python/array_arguments.h"
 

@@ -130,10 +130,6 @@ std::unique_ptr<PythonStateChecker> makePythonStateChecker(const std::string& ba
                                               toSettings(device, memory_limit_mib), threads);
 }
 
-std::string describeChecker(const PythonStateChecker& checker) {
-  return "<StateChecker: backend " + checker.backend() + ">";
-}
-
 }  // namespace
 
 PythonStates::PythonStates(const StateResults& results, const StateOptions& options,
@@ -184,15 +180,12 @@ PythonStates::PythonStates(const StateResults& results, const StateOptions& opti
 
 PythonStateChecker::PythonStateChecker(BackendChoice choice, const CudaSettings& settings,
                                        int threads)
-    : threads_(threads) {
-  const auto without_cuda =
-      choice == BackendChoice::kCuda ? WithoutCuda::kRefuse : WithoutCuda::kTryAgain;
-  checker_ = makeStateChecker(choice, without_cuda, settings,
-                              [this](const BackendState& state) { state_ = state; });
-  update();
-}
+    : PythonBackend({"StateChecker", "checker", "check()"}, choice,
+                    [&](WithoutCuda without_cuda, const auto& tell) {
+                      return makeStateChecker(choice, without_cuda, settings, tell);
+                    }),
+      threads_(threads) {}
 
-// Releases Python's global lock while it checks, as PythonDetector does.
 PythonStates PythonStateChecker::check(PythonScene* scene, const std::vector<std::int64_t>& bodies,
                                        py::handle poses, bool pairs, bool nearest,
                                        std::optional<double> max_time_s) {
@@ -213,42 +206,10 @@ PythonStates PythonStateChecker::check(PythonScene* scene, const std::vector<std
   options.nearest = nearest;
   options.threads = threads_;
   options.limits.deadline = deadlineIn(max_time_s);
-  const StateResults* results = nullptr;
-  {
-    const PythonScene::Looking looking(scene);
-    struct Checking {
-      PythonStateChecker* self;
-      ~Checking() {
-        self->checking_.clear();
-        self->update();
-      }
-    } const checking{this};
-    checking_.set();
-    const py::gil_scoped_release others_run;
-    results = &checker_->check(scene->scene(), batch, options);
-  }
-  return {*results, options, backend_};
-}
-
-void PythonStateChecker::reset() {
-  requireUnused();
-  checker_->reset();
-}
-
-void PythonStateChecker::requireUnused() const {
-  if (checking_.isInherited()) {
-    throw std::runtime_error(
-        "this process was forked while another thread was in the checker's check(): make another "
-        "StateChecker");
-  }
-  if (checking_.isSet()) {
-    throw std::runtime_error("the checker is in use by another thread's check()");
-  }
-}
-
-void PythonStateChecker::update() {
-  backend_ = checker_->backend();
-  backend_problem_ = state_.problem;
+  const StateResults& results = run(scene, [&](StateChecker* checker) -> const StateResults& {
+    return checker->check(scene->scene(), batch, options);
+  });
+  return {results, options, backend()};
 }
 
 // Arguments are in the order of the stub file.
@@ -256,7 +217,8 @@ void bindStates(py::module& module) {
   const CudaSettings settings;
   const auto memory_limit_mib = static_cast<std::int64_t>(settings.memory_limit_bytes >> 20);
   using Self = PythonStateChecker;
-  py::class_<Self>(module, "StateChecker", kCheckerText)
+  py::class_<Self> checker(module, "StateChecker", kCheckerText);
+  checker
       .def(py::init(&makePythonStateChecker), py::arg("backend") = toString(BackendChoice::kAuto),
 #if PYBIND11_VERSION_MAJOR > 2 || PYBIND11_VERSION_MINOR >= 6
            py::kw_only(),
@@ -265,14 +227,8 @@ void bindStates(py::module& module) {
            py::arg("threads") = 0, kCheckerInitText)
       .def("check", &Self::check, py::arg("scene").none(false), py::arg("bodies"), py::arg("poses"),
            py::arg("pairs") = false, py::arg("nearest") = false, py::arg("max_time_s") = py::none(),
-           kCheckText)
-      .def("reset", &Self::reset, "Forgets what earlier checks left; results never depend on it.")
-      .def_property_readonly("backend", &Self::backend,
-                             "What ran last, or will run first: 'cpu' or 'cuda'.")
-      .def_property_readonly("backend_problem", &Self::backendProblem,
-                             "Why 'auto' does not use CUDA, one line; empty: it does, or the CPU "
-                             "was asked for.")
-      .def("__repr__", &describeChecker);
+           kCheckText);
+  bindBackend(&checker, "Forgets what earlier checks left; results never depend on it.");
   py::class_<PythonStates>(module, "StateResults", "What StateChecker.check() found.")
       .def_readonly("touches", &PythonStates::touches, "(n,) bool: some bodies touch.")
       .def_readonly("free", &PythonStates::free,

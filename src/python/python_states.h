@@ -10,10 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "core/common/forks.h"
 #include "core/state_checker.h"
-#include "cuda/detector_choice.h"
-#include "python/python_scene.h"
+#include "python/python_backend.h"
 
 namespace deformable_contact_monitor {
 
@@ -32,34 +30,20 @@ struct PythonStates {
   double check_ms;
 };
 
-// A checker and its settings. Callers must hold Python's global lock, which is released during a
-// check. A call from another thread in that time throws std::runtime_error.
-class PythonStateChecker {
+// A checker and its settings.
+class PythonStateChecker : public PythonBackend<StateChecker> {
  public:
   // Throws std::invalid_argument for settings out of range, and std::runtime_error if a backend
   // that was asked for by name cannot be used.
   PythonStateChecker(BackendChoice choice, const CudaSettings& settings, int threads);
-  PythonStateChecker(const PythonStateChecker&) = delete;
-  PythonStateChecker& operator=(const PythonStateChecker&) = delete;
 
   // Decides states in which these bodies have these poses, (n, k, 4, 4).
   PythonStates check(PythonScene* scene, const std::vector<std::int64_t>& bodies,
                      pybind11::handle poses, bool pairs, bool nearest,
                      std::optional<double> max_time_s);
-  void reset();
-
-  const std::string& backend() const { return backend_; }
-  const std::string& backendProblem() const { return backend_problem_; }
 
  private:
-  void requireUnused() const;
-  void update();
-
   int threads_;
-  BackendState state_;  // written while checking
-  std::unique_ptr<StateChecker> checker_;
-  ProcessMark checking_;
-  std::string backend_, backend_problem_;
 };
 
 // Adds the classes StateChecker and StateResults.

@@ -5,10 +5,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <future>
 #include <sstream>
-#include <stdexcept>
 #include <thread>
 #include <utility>
 

@@ -4,7 +4,6 @@
 // build.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 #include "robot/source_mesh.h"

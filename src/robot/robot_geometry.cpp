@@ -9,7 +9,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "robot/link_mesh_files.h"
 #include "robot/nearest_name.h"
 #include "robot/primitives.h"
 #include "robot/source_mesh.h"

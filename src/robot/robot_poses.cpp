@@ -1,9 +1,7 @@
 #include "robot/robot_poses.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <stdexcept>
-#include <utility>
 
 namespace deformable_contact_monitor {
 namespace {

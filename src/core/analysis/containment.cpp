@@ -8,20 +8,16 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <numeric>
 #include <optional>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "core/analysis/mesh_components.h"
-#include "core/common/cycle_limit.h"
 #include "core/common/posed_body.h"
 #include "core/common/scene_queries.h"
 #include "core/predicates/aabb.h"
 #include "core/predicates/ray_crossing.h"
-#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 

@@ -6,9 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstddef>
-#include <map>
 #include <numeric>
 
 #include "core/bounds/exact_distances.h"

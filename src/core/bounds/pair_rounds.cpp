@@ -7,7 +7,6 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
-#include <cstdint>
 
 #include "core/bounds/distance_rounding.h"
 #include "core/bounds/near_parts.h"

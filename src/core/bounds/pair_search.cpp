@@ -7,7 +7,6 @@
 #include "core/bounds/pair_search.h"
 
 #include <algorithm>
-#include <cfloat>
 #include <chrono>
 #include <cmath>
 

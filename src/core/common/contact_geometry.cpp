@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <map>
-#include <vector>
 
 #include "core/common/parallel.h"
 #include "core/rules/geometry_of_pair.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/common/parallel.h"
 #include "core/rules/margins.h"
 
 namespace deformable_contact_monitor {

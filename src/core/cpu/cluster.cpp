@@ -2,14 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <numeric>
-#include <utility>
 
 #include "core/common/parallel.h"
 #include "core/cpu/fuzzy_clustering.h"
-#include "core/rules/clustering.h"
 
 namespace deformable_contact_monitor {
 

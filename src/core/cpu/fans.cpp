@@ -6,7 +6,6 @@
 #include <cstddef>
 
 #include "core/common/parallel.h"
-#include "core/cpu/lane_triangle.h"
 #include "core/predicates/vertex_fan.h"
 #include "core/rules/fan_order.h"
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/common/parallel.h"
-#include "core/rules/clustering.h"
 
 namespace deformable_contact_monitor {
 namespace {

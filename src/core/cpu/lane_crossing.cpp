@@ -3,8 +3,6 @@
 #include <array>
 #include <cstddef>
 
-#include "core/cpu/lane_triangle.h"
-
 namespace deformable_contact_monitor {
 namespace {
 

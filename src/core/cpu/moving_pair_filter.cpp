@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "core/cpu/moving_lanes.h"
-
 namespace deformable_contact_monitor {
 
 // Gathers the pairs pair_of(begin) ... into lanes, up to `end`. The last pair fills the lanes

@@ -1,7 +1,6 @@
 #include "core/cpu/size_split.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 

@@ -5,7 +5,6 @@
 #include <new>
 
 #include "core/cpu/radix_sort.h"
-#include "core/rules/intervals.h"
 #include "core/rules/principal_axes.h"
 
 namespace deformable_contact_monitor {

@@ -1,6 +1,5 @@
 #include "core/cpu/sweep.h"
 
-#include "core/cpu/pair_stages.h"
 #include "core/rules/deduplication.h"
 
 namespace deformable_contact_monitor {

@@ -3,11 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
-#include <vector>
 
-#include "core/common/parallel.h"
 #include "core/common/posed_body.h"
-#include "core/cpu/body_boxes.h"
 #include "core/rules/common_motion.h"
 
 namespace deformable_contact_monitor {

@@ -5,7 +5,6 @@
 #include "core/states/box_tree.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/predicates/aabb.h"
 

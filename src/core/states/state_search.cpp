@@ -7,7 +7,6 @@
 #include "core/common/posed_body.h"
 #include "core/predicates/narrow_phase.h"
 #include "core/rules/margins.h"
-#include "core/states/lane_boxes.h"
 #include "core/states/state_input.h"
 
 namespace deformable_contact_monitor {

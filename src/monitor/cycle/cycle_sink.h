@@ -2,7 +2,6 @@
 // topics. CyclePublisher (src/node) implements it.
 #pragma once
 
-#include <cstddef>
 #include <string>
 
 #include "core/steady_time.h"

@@ -2,7 +2,6 @@
 #include "monitor/cycle/monitor_scene.h"
 
 #include <algorithm>
-#include <memory>
 #include <set>
 #include <stdexcept>
 #include <utility>

@@ -7,9 +7,7 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "robot/nearest_name.h"
 

@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <iterator>
 #include <numeric>
-#include <set>
 #include <utility>
 #include <vector>
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "monitor/input/mesh_adapters.h"
-#include "monitor/input/polygon_mesh_adapter.h"
 #include "monitor/rules/parameters.h"
 
 namespace deformable_contact_monitor {

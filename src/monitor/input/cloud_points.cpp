@@ -3,7 +3,6 @@
 
 #include <sensor_msgs/PointField.h>
 
-#include <cstdint>
 #include <cstring>
 #include <stdexcept>
 #include <string>

@@ -200,6 +200,35 @@ void appendPoints(const nav_msgs::Path& path, std::vector<float>* vertices) {
 }
 #endif
 
+#ifdef DCM_HAS_PCL_MSGS
+// Checks all polygons before memory is taken for their triangles, and returns the number of those.
+std::size_t triangleCount(const std::vector<pcl_msgs::Vertices>& polygons) {
+  if (polygons.empty()) reject("the mesh has no polygon");
+  std::size_t triangles = 0;
+  for (std::size_t i = 0; i < polygons.size(); ++i) {
+    const std::size_t corners = polygons[i].vertices.size();
+    if (corners < 3) {
+      reject("polygon " + std::to_string(i) + " has " + std::to_string(corners) +
+             " vertices, must have at least 3");
+    }
+    triangles += corners - 2;
+  }
+  return triangles;
+}
+
+std::vector<std::uint32_t> fansOf(const std::vector<pcl_msgs::Vertices>& polygons) {
+  std::vector<std::uint32_t> triangles;
+  triangles.reserve(3 * triangleCount(polygons));
+  for (const pcl_msgs::Vertices& polygon : polygons) {
+    const std::vector<std::uint32_t>& corners = polygon.vertices;
+    for (std::size_t i = 2; i < corners.size(); ++i) {
+      triangles.insert(triangles.end(), {corners[0], corners[i - 1], corners[i]});
+    }
+  }
+  return triangles;
+}
+#endif
+
 }  // namespace
 
 std::vector<std::uint32_t> trianglesBetween(PointShape shape, std::size_t count) {
@@ -324,6 +353,16 @@ IncomingMesh PointCloudAdapter::adapt(const Message& message, const ros::Time& /
   return {mesh};
 }
 
+void ChangingTopology::addTo(std::vector<std::uint32_t> triangles, DeformableMesh* mesh) {
+  if (triangles != triangles_ || mesh->vertices.size() != coordinate_count_) {
+    triangles_ = triangles;
+    coordinate_count_ = mesh->vertices.size();
+    mesh->triangles = std::move(triangles);
+    ++topology_id_;
+  }
+  mesh->topology_id = topology_id_;
+}
+
 IncomingMesh DepthCloudAdapter::adapt(const Message& message, const ros::Time& /*received*/) {
   if (message.width < 2 || message.height < 2) {
     reject("the cloud has " + sizeText(message) +
@@ -341,15 +380,19 @@ IncomingMesh DepthCloudAdapter::adapt(const Message& message, const ros::Time& /
            " pixels have a depth, fewer than min_seen allows");
   }
   if (surface.triangles.empty()) reject("no three neighbouring pixels have similar depths");
-  if (surface.triangles != triangles_ || mesh->vertices.size() != coordinate_count_) {
-    triangles_ = surface.triangles;
-    coordinate_count_ = mesh->vertices.size();
-    mesh->triangles = std::move(surface.triangles);
-    ++topology_id_;
-  }
-  mesh->topology_id = topology_id_;
+  topology_.addTo(std::move(surface.triangles), mesh.get());
   return {mesh};
 }
+
+#ifdef DCM_HAS_PCL_MSGS
+IncomingMesh PolygonMeshAdapter::adapt(const Message& message, const ros::Time& /*received*/) {
+  const auto mesh = boost::make_shared<DeformableMesh>();
+  mesh->header = message.header;
+  CloudPoints(message.cloud).appendTo(&mesh->vertices);
+  topology_.addTo(fansOf(message.polygons), mesh.get());
+  return {mesh};
+}
+#endif
 
 template <typename M>
 IncomingMesh PointsAdapter<M>::adapt(const Message& message, const ros::Time& /*received*/) {

@@ -144,6 +144,19 @@ class PointCloudAdapter {
   bool has_sent_triangles_ = false;
 };
 
+// The triangles of a topic whose messages may have others each time.
+class ChangingTopology {
+ public:
+  // Gives a mesh, whose vertices are there, its topology_id, and the triangles unless they are
+  // those of the last mesh.
+  void addTo(std::vector<std::uint32_t> triangles, DeformableMesh* mesh);
+
+ private:
+  std::vector<std::uint32_t> triangles_;  // of the last mesh
+  std::size_t coordinate_count_ = 0;      // of the last mesh
+  std::uint32_t topology_id_ = 0;
+};
+
 // Converts an organised point cloud, as a depth camera sends it: the points are the pixels, row by
 // row, and depthSurface() makes the triangles. They are mostly others in each message. A cloud in
 // which too few pixels have a depth is rejected, so that a covered camera does not look like a free
@@ -158,10 +171,23 @@ class DepthCloudAdapter {
 
  private:
   const DepthRule rule_;
-  std::vector<std::uint32_t> triangles_;  // of the last mesh
-  std::size_t coordinate_count_ = 0;      // of the last mesh
-  std::uint32_t topology_id_ = 0;
+  ChangingTopology topology_;
 };
+
+#ifdef DCM_HAS_PCL_MSGS
+// Converts pcl_msgs/PolygonMesh, if pcl_msgs is there. The points of the cloud are the vertices,
+// and a polygon (p0, p1, p2, ...) becomes the triangles (p0, p1, p2), (p0, p2, p3), ... Stamp and
+// frame are those of the message's own header, not of its cloud.
+class PolygonMeshAdapter {
+ public:
+  using Message = pcl_msgs::PolygonMesh;
+
+  IncomingMesh adapt(const Message& message, const ros::Time& received);
+
+ private:
+  ChangingTopology topology_;
+};
+#endif
 
 // Converts a message of at least one point, whose number may change, to a line or to separate
 // points. M is PointCloud2, of which the points count row by row, PoseArray, or Path, of which the

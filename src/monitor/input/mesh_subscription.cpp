@@ -8,7 +8,6 @@
 #include <boost/make_shared.hpp>
 #include <chrono>
 #include <memory>
-#include <stdexcept>
 #include <utility>
 
 #include "monitor/input/adapter_choice.h"

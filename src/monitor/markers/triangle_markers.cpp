@@ -6,7 +6,6 @@
 #include "monitor/markers/triangle_markers.h"
 
 #include <algorithm>
-#include <map>
 #include <utility>
 
 #include "core/common/posed_body.h"

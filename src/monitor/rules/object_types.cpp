@@ -4,7 +4,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
 #include "core/mesh_file.h"
@@ -69,9 +68,7 @@ void readMarker(ParameterReader* entry, std::vector<std::string>* warnings,
   }
   object->marker = {section->optionalText("ns", ""),
                     section->integer("id", 0, Limits::min(), Limits::max())};
-  for (const std::string& name : section->unknown()) {
-    warnings->push_back(name + " is not a parameter of this node and is ignored");
-  }
+  section->warnOfUnknown(warnings);
 }
 
 // Without a radius nearly nothing touches points or lines, so nobody shall forget it.

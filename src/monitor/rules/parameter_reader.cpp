@@ -4,12 +4,10 @@
 // the range. A value that cannot be used becomes its fallback, so that reading can go on.
 #include "monitor/rules/parameter_reader.h"
 
-#include <cmath>
 #include <limits>
 #include <locale>
 #include <regex>
 #include <sstream>
-#include <utility>
 
 #include "robot/nearest_name.h"
 
@@ -103,14 +101,18 @@ const XmlRpcValue* ParameterReader::find(const std::string& name) {
   return &tree_[name];
 }
 
+const XmlRpcValue* ParameterReader::find(const std::string& name, XmlRpcValue::Type type,
+                                         const std::string& wanted) {
+  const XmlRpcValue* value = find(name);
+  if (value == nullptr || value->getType() == type) return value;
+  addProblem(name, "is " + shown(*value) + ", must be " + wanted);
+  return nullptr;
+}
+
 // Accepts no numbers and texts such as "yes": what they mean would be a guess.
 bool ParameterReader::flag(const std::string& name, bool fallback) {
-  const XmlRpcValue* value = find(name);
+  const XmlRpcValue* value = find(name, XmlRpcValue::TypeBoolean, "true or false");
   if (value == nullptr) return fallback;
-  if (value->getType() != XmlRpcValue::TypeBoolean) {
-    addProblem(name, "is " + shown(*value) + ", must be true or false");
-    return fallback;
-  }
   const bool flag = static_cast<const bool&>(*value);
   if (flag != fallback) addChanged(name, XmlRpcValue(flag ? "true" : "false"));
   return flag;
@@ -140,12 +142,8 @@ int ParameterReader::integer(const std::string& name, int fallback, int low, int
 
 // Bad elements are problems of their own ("devices[1]"); the good ones are still returned.
 std::vector<int> ParameterReader::integers(const std::string& name, int low, int high) {
-  const XmlRpcValue* value = find(name);
+  const XmlRpcValue* value = find(name, XmlRpcValue::TypeArray, "a list of whole numbers: [0, 1]");
   if (value == nullptr) return {};
-  if (value->getType() != XmlRpcValue::TypeArray) {
-    addProblem(name, "is " + shown(*value) + ", must be a list of whole numbers: [0, 1]");
-    return {};
-  }
   addChanged(name, *value);
   std::vector<int> integers;
   for (int i = 0; i < value->size(); ++i) {
@@ -198,12 +196,8 @@ std::string ParameterReader::text(const std::string& name, const std::string& fa
 }
 
 std::string ParameterReader::optionalText(const std::string& name, const std::string& fallback) {
-  const XmlRpcValue* const value = find(name);
+  const XmlRpcValue* const value = find(name, XmlRpcValue::TypeString, "text");
   if (value == nullptr) return fallback;
-  if (value->getType() != XmlRpcValue::TypeString) {
-    addProblem(name, "is " + shown(*value) + ", must be text");
-    return fallback;
-  }
   const auto& text = static_cast<const std::string&>(*value);
   if (text != fallback) addChanged(name, *value);
   return text;
@@ -224,12 +218,8 @@ std::size_t ParameterReader::choice(const std::string& name,
 
 std::vector<std::string> ParameterReader::texts(const std::string& name,
                                                 const std::vector<std::string>& fallback) {
-  const XmlRpcValue* value = find(name);
+  const XmlRpcValue* value = find(name, XmlRpcValue::TypeArray, "a list of texts: [a, b]");
   if (value == nullptr) return fallback;
-  if (value->getType() != XmlRpcValue::TypeArray) {
-    addProblem(name, "is " + shown(*value) + ", must be a list of texts: [a, b]");
-    return fallback;
-  }
   std::vector<std::string> texts;
   for (int i = 0; i < value->size(); ++i) {
     const XmlRpcValue& item = (*value)[i];
@@ -246,12 +236,9 @@ std::vector<std::string> ParameterReader::texts(const std::string& name,
 // Reports problems of elements by "<name>/<key>", as a path of the parameter server.
 std::map<std::string, double> ParameterReader::numbers(const std::string& name, double low,
                                                        double high) {
-  const XmlRpcValue* value = find(name);
+  const XmlRpcValue* value =
+      find(name, XmlRpcValue::TypeStruct, "a map of names to numbers: {a: 0.1}");
   if (value == nullptr) return {};
-  if (value->getType() != XmlRpcValue::TypeStruct) {
-    addProblem(name, "is " + shown(*value) + ", must be a map of names to numbers: {a: 0.1}");
-    return {};
-  }
   addChanged(name, *value);
   std::map<std::string, double> numbers;
   addNumbers(name, "", *value, low, high, &numbers);
@@ -279,19 +266,15 @@ void ParameterReader::addNumbers(const std::string& name, const std::string& pre
 
 std::vector<std::pair<int, int>> ParameterReader::ranges(const std::string& name, int low,
                                                          int high) {
-  const XmlRpcValue* value = find(name);
+  const XmlRpcValue* value =
+      find(name, XmlRpcValue::TypeArray, "a list of ranges: [[0, 99], [200, 250]]");
   if (value == nullptr) return {};
-  const auto isList = [](const XmlRpcValue& v) { return v.getType() == XmlRpcValue::TypeArray; };
-  if (!isList(*value)) {
-    addProblem(name, "is " + shown(*value) + ", must be a list of ranges: [[0, 99], [200, 250]]");
-    return {};
-  }
   std::vector<std::pair<int, int>> ranges;
   for (int i = 0; i < value->size(); ++i) {
     const XmlRpcValue& item = (*value)[i];
     const std::string item_name = name + "[" + std::to_string(i) + "]";
     int first = 0, last = 0;
-    if (!isList(item) || item.size() != 2) {
+    if (item.getType() != XmlRpcValue::TypeArray || item.size() != 2) {
       addProblem(item_name, "is " + shown(item) + ", must be a range: [0, 99]");
     } else if (toInteger(item_name, item[0], low, high, &first) &&
                toInteger(item_name, item[1], first, high, &last)) {
@@ -326,12 +309,9 @@ std::optional<ParameterReader> ParameterReader::section(const std::string& name)
 
 // Each reader checks itself that its element is a map.
 std::vector<ParameterReader> ParameterReader::structs(const std::string& name) {
-  const XmlRpcValue* value = find(name);
+  const XmlRpcValue* value =
+      find(name, XmlRpcValue::TypeArray, "a list of maps: [{name: a}, {name: b}]");
   if (value == nullptr) return {};
-  if (value->getType() != XmlRpcValue::TypeArray) {
-    addProblem(name, "is " + shown(*value) + ", must be a list of maps: [{name: a}, {name: b}]");
-    return {};
-  }
   addChanged(name, *value);
   std::vector<ParameterReader> readers;
   readers.reserve(static_cast<std::size_t>(value->size()));
@@ -351,6 +331,17 @@ std::vector<std::string> ParameterReader::unknown() const {
     names.push_back(where_ + entry.first + nearestNameHint(entry.first, known));
   }
   return names;
+}
+
+void ParameterReader::warnOfUnknown(std::vector<std::string>* warnings) const {
+  for (const std::string& name : unknown()) {
+    warnings->push_back(name + " is not a parameter of this node and is ignored");
+  }
+}
+
+// tf2 knows no names that begin with '/', unlike the first tf.
+void ParameterReader::refuseSlash(const std::string& name, const std::string& frame) {
+  if (frame.substr(0, 1) == "/") addProblem(name, "is '" + frame + "', must not begin with '/'");
 }
 
 }  // namespace deformable_contact_monitor

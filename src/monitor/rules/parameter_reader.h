@@ -57,6 +57,11 @@ class ParameterReader {
 
   // Returns the names that are set but were never asked for, each with the nearest known name.
   std::vector<std::string> unknown() const;
+  // Adds a warning for each of them, mostly a typing error.
+  void warnOfUnknown(std::vector<std::string>* warnings) const;
+
+  // Adds a problem if the TF frame, or the beginning of one, begins with '/'.
+  void refuseSlash(const std::string& name, const std::string& frame);
 
   // Returns what is set to another value than its fallback, as "<name>: <value>", in the order in
   // which it was asked for. Long values are cut.
@@ -70,6 +75,9 @@ class ParameterReader {
   void addChanged(const std::string& name, const XmlRpc::XmlRpcValue& value);
   // Returns the value or null, and notes that the name is known.
   const XmlRpc::XmlRpcValue* find(const std::string& name);
+  // Does the same, and adds the problem "must be `wanted`" if the value has another type.
+  const XmlRpc::XmlRpcValue* find(const std::string& name, XmlRpc::XmlRpcValue::Type type,
+                                  const std::string& wanted);
   bool toInteger(const std::string& name, const XmlRpc::XmlRpcValue& value, int low, int high,
                  int* integer);
   bool toNumber(const std::string& name, const XmlRpc::XmlRpcValue& value, double low, double high,

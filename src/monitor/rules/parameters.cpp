@@ -24,26 +24,17 @@ constexpr double kMaxToleranceM = 1;
 constexpr double kMaxBudgetMs = 60000;
 constexpr double kMaxStampOffsetS = 5;  // tf2 keeps 10 s
 
-// Adds a warning for each name that is set but was never asked for, mostly a typing error.
-void warnOfUnknown(const ParameterReader& reader, std::vector<std::string>* warnings) {
-  for (const std::string& name : reader.unknown()) {
-    warnings->push_back(name + " is not a parameter of this node and is ignored");
-  }
-}
-
-// Reads a TF frame. tf2 knows no names that begin with '/', unlike the first tf.
+// Reads a TF frame.
 std::string frame(ParameterReader* reader, const std::string& name, const std::string& fallback) {
   std::string value = reader->text(name, fallback);
-  if (value.front() == '/') reader->addProblem(name, "is '" + value + "', must not begin with '/'");
+  reader->refuseSlash(name, value);
   return value;
 }
 
 // Reads what precedes links' names in TF frames.
 std::string prefix(ParameterReader* reader) {
   std::string value = reader->optionalText("frame_prefix", "");
-  if (value.substr(0, 1) == "/") {
-    reader->addProblem("frame_prefix", "is '" + value + "', must not begin with '/'");
-  }
+  reader->refuseSlash("frame_prefix", value);
   return value;
 }
 
@@ -55,7 +46,7 @@ void readRobots(ParameterReader* reader, std::vector<std::string>* warnings, Mon
     if (robot.description.empty()) entry.addProblem("description", "is missing");
     robot.link_prefix = prefix(&entry);
     robot.srdf = entry.text("srdf", robot.srdf);
-    warnOfUnknown(entry, warnings);
+    entry.warnOfUnknown(warnings);
     p->robots.push_back(std::move(robot));
   }
   if (p->robots.empty()) return;
@@ -120,7 +111,7 @@ void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
       readNameAndSize(&entry, p->margin_m, &rigid);
       checkName(rigid.name, &names, &entry);
       readRigid(&entry, warnings, &rigid);
-      warnOfUnknown(entry, warnings);
+      entry.warnOfUnknown(warnings);
       p->rigids.push_back(std::move(rigid));
       continue;
     }
@@ -142,7 +133,7 @@ void readObjects(ParameterReader* reader, std::vector<std::string>* warnings,
     } else if (!ros::names::validate(object.topic, error)) {
       entry.addProblem("topic", "is not a valid name: " + error);
     }
-    warnOfUnknown(entry, warnings);
+    entry.warnOfUnknown(warnings);
     p->objects.push_back(std::move(object));
   }
 }
@@ -227,7 +218,7 @@ void readPairs(ParameterReader* reader, std::vector<std::string>* warnings, Moni
     } else {
       p->allowed_contacts.add(rule);
     }
-    warnOfUnknown(entry, warnings);
+    entry.warnOfUnknown(warnings);
   }
 }
 
@@ -355,7 +346,7 @@ MonitorParameters parseParameters(const XmlRpc::XmlRpcValue& tree,
   checkRadii(p, &reader);
   warnOfUnusedRigids(p, warnings);
   for (const std::string& problem : problems(p.detector)) found.push_back("~" + problem);
-  warnOfUnknown(reader, warnings);
+  reader.warnOfUnknown(warnings);
   p.changed = reader.changed();
   if (found.empty()) return p;
   // Warnings are part of the text: a misspelled name often explains a problem.

@@ -74,9 +74,7 @@ std::optional<PartBox> readBox(ParameterReader* entry, std::vector<std::string>*
   std::optional<ParameterReader> section = entry->section("box");
   if (!section) return std::nullopt;
   const auto min = section->point("min"), max = section->point("max");
-  for (const std::string& name : section->unknown()) {
-    warnings->push_back(name + " is not a parameter of this node and is ignored");
-  }
+  section->warnOfUnknown(warnings);
   if (!min || !max) return std::nullopt;
   for (std::size_t i = 0; i < min->size(); ++i) {
     if ((*min)[i] > (*max)[i])
@@ -184,9 +182,7 @@ std::vector<PartParameters> readParts(ParameterReader* object, const std::string
     if (entry.has("margin_m")) {
       part.margin_m = static_cast<float>(entry.number("margin_m", 0, 0, kMaxMarginM));
     }
-    for (const std::string& name : entry.unknown()) {
-      warnings->push_back(name + " is not a parameter of this node and is ignored");
-    }
+    entry.warnOfUnknown(warnings);
     parts.push_back(std::move(part));
   }
   if (parts.size() > kMostNamedParts) {

@@ -54,9 +54,7 @@ SourceMesh readRound(const std::string& key, ParameterReader* entry,
   if (!section) return makeSphere(1);  // a problem was added
   const double radius_m = lengthOf(&*section, "radius");
   const double length_m = key == "cylinder" ? lengthOf(&*section, "length") : 0;
-  for (const std::string& name : section->unknown()) {
-    warnings->push_back(name + " is not a parameter of this node and is ignored");
-  }
+  section->warnOfUnknown(warnings);
   return key == "cylinder" ? makeCylinder(radius_m, length_m) : makeSphere(radius_m);
 }
 
@@ -105,9 +103,8 @@ void readRigid(ParameterReader* entry, std::vector<std::string>* warnings, Rigid
   rigid->frame = entry->text("frame", "");
   if (rigid->frame.empty()) {
     entry->addProblem("frame", "is missing: type rigid needs the TF frame that poses it");
-  } else if (rigid->frame.front() == '/') {
-    entry->addProblem("frame", "is '" + rigid->frame + "', must not begin with '/'");
   }
+  entry->refuseSlash("frame", rigid->frame);
   std::vector<std::string> shapes;
   for (const char* const shape : {"mesh", "box", "cylinder", "sphere"}) {
     if (entry->has(shape)) shapes.emplace_back(shape);

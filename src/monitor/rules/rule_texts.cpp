@@ -8,7 +8,6 @@
 #include <numeric>
 #include <set>
 #include <sstream>
-#include <utility>
 
 #include "robot/nearest_name.h"
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <memory>
 #include <stdexcept>
 #include <tuple>
 #include <utility>

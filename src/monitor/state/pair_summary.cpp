@@ -5,9 +5,7 @@
 #include "monitor/state/pair_summary.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
-#include <vector>
 
 #include "core/common/parallel.h"
 #include "core/common/posed_body.h"

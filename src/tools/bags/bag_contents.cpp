@@ -3,9 +3,7 @@
 
 #include <tf2/buffer_core.h>
 
-#include <algorithm>
 #include <exception>
-#include <functional>
 #include <tuple>
 #include <utility>
 

@@ -11,7 +11,6 @@
 #include <tuple>
 
 #include "monitor/time_difference.h"
-#include "tools/bags/bag_messages.h"
 
 namespace deformable_contact_monitor {
 namespace {

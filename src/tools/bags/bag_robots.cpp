@@ -10,7 +10,6 @@
 
 #include "monitor/diagnostics/robot_checks.h"
 #include "monitor/messages/contact_messages.h"
-#include "tools/bags/bag_messages.h"
 #include "tools/common/yaml_parameters.h"
 
 namespace deformable_contact_monitor {

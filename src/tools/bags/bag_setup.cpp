@@ -5,14 +5,12 @@
 #include <algorithm>
 #include <set>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include "monitor/cycle/monitor_scene.h"
 #include "monitor/diagnostics/robot_checks.h"
 #include "monitor/input/mesh_subscription.h"
 #include "monitor/input/transform_lookup.h"
-#include "monitor/messages/contact_messages.h"
 #include "robot/nearest_name.h"
 #include "tools/bags/bag_messages.h"
 #include "tools/bags/bag_robots.h"

@@ -4,7 +4,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "monitor/rules/parameters.h"
 #include "robot/robot_geometry.h"

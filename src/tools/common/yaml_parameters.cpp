@@ -5,7 +5,6 @@
 
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <stdexcept>
 
 namespace deformable_contact_monitor {

@@ -10,12 +10,9 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "core/body_distance.h"
-#include "core/detector.h"
 #include "tools/common/command_line.h"
 #include "tools/common/formatted.h"
 #include "tools/common/reports.h"
@@ -98,22 +95,18 @@ std::vector<BodyState> bodyStates(const Scene& scene, const DetectionResult& res
   return states;
 }
 
-// Returns a line for each of the first 20 pairs, because a scene of many bodies has many pairs: the
-// names of the bodies, the state, and the bounds of the distance with the witness.
+// Returns lines of pairs: the names of the bodies, the state, and the bounds of the distance with
+// the witness.
 std::string bodyStateLines(const Scene& scene, const std::vector<BodyState>& states) {
-  constexpr std::size_t kShown = 20;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(states.size(), kShown); ++i) {
+  return firstPairs(states.size(), [&](std::size_t i) {
     const BodyDistance& d = states[i].distance;
     const std::string range = std::isinf(d.high_m)
                                   ? formatted("at least %.6g apart", d.low_m)
                                   : formatted("%.6g to %.6g apart, by triangles %u and %u", d.low_m,
                                               d.high_m, d.witness.triangle_a, d.witness.triangle_b);
-    text += "  " + scene.body(d.body_a).name + " with " + scene.body(d.body_b).name + ": " +
-            toString(states[i].decision) + ", " + range + "\n";
-  }
-  if (states.size() <= kShown) return text;
-  return text + "  and " + std::to_string(states.size() - kShown) + " more pairs of bodies\n";
+    return scene.body(d.body_a).name + " with " + scene.body(d.body_b).name + ": " +
+           toString(states[i].decision) + ", " + range;
+  });
 }
 
 // Returns [{bodies, state, distance_low, distance_high, witness, points, listed, contacts}].
@@ -227,23 +220,18 @@ std::string milliseconds(const char* name, const std::vector<double>& ms) {
                    median(ms), percentile(ms, 0.95), ms.size());
 }
 
-// Returns a line with the number of contacts for each of the first 20 pairs of bodies that touch.
+// Returns lines with the number of contacts of pairs of bodies that touch.
 std::string bodyPairs(const Scene& scene, const TrianglePairs& contacts) {
-  constexpr std::size_t kShown = 20;
   std::map<std::pair<BodyId, BodyId>, std::uint64_t> counts;
   for (const TrianglePair& pair : contacts) ++counts[{pair.body_a, pair.body_b}];
-  std::string text;
-  std::size_t shown = 0;
-  for (const auto& [bodies, count] : counts) {
-    if (shown++ == kShown) {
-      return text + "  and " + std::to_string(counts.size() - kShown) + " more pairs of bodies\n";
-    }
-    text += "  " + scene.body(bodies.first).name +
-            (bodies.first == bodies.second ? " with itself"
-                                           : " with " + scene.body(bodies.second).name) +
-            ": " + std::to_string(count) + "\n";
-  }
-  return text;
+  auto next = counts.begin();
+  return firstPairs(counts.size(), [&](std::size_t /*i*/) {
+    const auto& [bodies, count] = *next++;
+    return scene.body(bodies.first).name +
+           (bodies.first == bodies.second ? " with itself"
+                                          : " with " + scene.body(bodies.second).name) +
+           ": " + std::to_string(count);
+  });
 }
 
 // Returns one line: whether the list has every contact, and each reason why it may not.

@@ -28,12 +28,15 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Prints a note to standard error.
+void note(const std::string& what) {
+  std::fprintf(stderr, "detect_contacts: note: %s\n", what.c_str());
+}
+
 // Reads a mesh file. Prints a note for each thing that may not be meant as it was read.
 TriangleMesh readNotedMeshFile(const std::string& file, MeshFileReport* report) {
   TriangleMesh mesh = readMeshFile(file, report);
-  for (const std::string& note : report->notes) {
-    std::fprintf(stderr, "detect_contacts: note: %s: %s\n", file.c_str(), note.c_str());
-  }
+  for (const std::string& of_file : report->notes) note(file + ": " + of_file);
   return mesh;
 }
 
@@ -121,45 +124,29 @@ void writeReports(const std::string& summary, std::list<Report>* reports) {
   }
 }
 
-// Prints notes to standard error about what the list of pairs alone does not show: contacts that
-// are missing, and input that could not be used.
-void warn(const DetectArguments& arguments, const DetectionResult& result) {
+// Prints notes about what the lists alone do not show: contacts that are missing, input that could
+// not be used, and distances that are not known.
+void warn(const DetectArguments& arguments, const DetectionResult& result,
+          const NearestBodies& bodies) {
   if (result.left_out > 0) {
-    std::fprintf(
-        stderr,
-        "detect_contacts: note: %llu contacts more were found than --memory-limit has room "
-        "for\n",
-        static_cast<unsigned long long>(result.left_out));
+    note(std::to_string(result.left_out) +
+         " contacts more were found than --memory-limit has room for");
   }
   if (result.cut_off) {
-    std::fprintf(stderr,
-                 "detect_contacts: note: the result is not complete, not all pairs were looked at "
-                 "(%s)\n",
-                 result.cut_off_because.c_str());
+    note("the result is not complete, not all pairs were looked at (" + result.cut_off_because +
+         ")");
   }
   if (!result.distances.empty() && arguments.options.tolerance_m > 0) {
-    std::fputs(
-        "detect_contacts: note: with --tolerance-m the list has the contacts seen on the "
-        "way, not all\n",
-        stderr);
+    note("with --tolerance-m the list has the contacts seen on the way, not all");
   }
   if (arguments.meshes.size() == (arguments.swept() ? 2 : 1) && !arguments.self) {
-    std::fputs("detect_contacts: note: one body and no --self, so there is nothing to test\n",
-               stderr);
+    note("one body and no --self, so there is nothing to test");
   }
   if (result.counters.rejected > 0) {
-    std::fprintf(stderr,
-                 "detect_contacts: note: the result is not complete, %llu triangles have a NaN or "
-                 "infinite vertex\n",
-                 static_cast<unsigned long long>(result.counters.rejected));
+    note("the result is not complete, " + std::to_string(result.counters.rejected) +
+         " triangles have a NaN or infinite vertex");
   }
-}
-
-// Prints a note for each thing that the lines of --nearest do not show.
-void warnOfNearest(const DetectArguments& arguments, const NearestBodies& bodies) {
-  for (const std::string& note : nearestNotes(bodies, arguments.options.tolerance_m)) {
-    std::fprintf(stderr, "detect_contacts: note: %s\n", note.c_str());
-  }
+  for (const std::string& what : nearestNotes(bodies, arguments.options.tolerance_m)) note(what);
 }
 
 // Throws if the backend would silently ignore --margin. FCL lists only triangles that intersect,
@@ -228,8 +215,7 @@ void run(const DetectArguments& arguments) {
     text = summary(arguments, scene, backend, *last, times);
   }
   // Notes come before the results, so that the results are the last lines on a terminal.
-  warn(arguments, *last);
-  warnOfNearest(arguments, nearest_bodies);
+  warn(arguments, *last, nearest_bodies);
   writeReports(text, &reports);
 }
 

@@ -3,7 +3,6 @@
 #include "tools/detect_contacts/nearest_report.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -42,6 +41,14 @@ Entry boundOf(const BodyDistance& distance) {
 }
 
 }  // namespace
+
+std::string firstPairs(std::size_t count, const std::function<std::string(std::size_t)>& line) {
+  constexpr std::size_t kShown = 20;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(count, kShown); ++i) text += "  " + line(i) + "\n";
+  if (count <= kShown) return text;
+  return text + "  and " + std::to_string(count - kShown) + " more pairs of bodies\n";
+}
 
 // The exact search is preferred; bounds fill in for pairs that it did not look at.
 NearestBodies nearestBodies(const Scene& scene, const DetectionResult& result, float tolerance_m) {
@@ -98,19 +105,16 @@ Json nearestJson(const NearestBodies& bodies) {
 }
 
 std::string nearestSummary(const Scene& scene, const NearestBodies& bodies) {
-  constexpr std::size_t kShown = 20;
   const std::size_t count = bodies.entries.size();
-  std::string text = "pairs of bodies within the margin: " + std::to_string(count) + "\n";
-  for (std::size_t i = 0; i < std::min(count, kShown); ++i) {
-    const NearestPair& nearest = bodies.entries[i].nearest;
-    const std::string apart = formatted(
-        "%s%.6g apart, by triangles %u and %u", bodies.entries[i].is_exact ? "" : "at most ",
-        nearest.distance_m, nearest.pair.triangle_a, nearest.pair.triangle_b);
-    text += "  " + scene.body(nearest.pair.body_a).name + " with " +
-            scene.body(nearest.pair.body_b).name + ": " + apart + "\n";
-  }
-  if (count <= kShown) return text;
-  return text + "  and " + std::to_string(count - kShown) + " more pairs of bodies\n";
+  return "pairs of bodies within the margin: " + std::to_string(count) + "\n" +
+         firstPairs(count, [&](std::size_t i) {
+           const NearestPair& nearest = bodies.entries[i].nearest;
+           const std::string apart = formatted(
+               "%s%.6g apart, by triangles %u and %u", bodies.entries[i].is_exact ? "" : "at most ",
+               nearest.distance_m, nearest.pair.triangle_a, nearest.pair.triangle_b);
+           return scene.body(nearest.pair.body_a).name + " with " +
+                  scene.body(nearest.pair.body_b).name + ": " + apart;
+         });
 }
 
 std::vector<std::string> nearestNotes(const NearestBodies& bodies, float tolerance_m) {

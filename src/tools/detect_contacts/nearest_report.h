@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -22,6 +23,10 @@ struct NearestBodies {
   std::vector<Entry> entries;  // ascending by (body_a, body_b)
   std::size_t open_pairs = 0;  // pairs that were not decided, so they have no entry
 };
+
+// Returns line(i) for each of the first 20 of `count` pairs of bodies, because a scene of many
+// bodies has many, and how many more there are.
+std::string firstPairs(std::size_t count, const std::function<std::string(std::size_t)>& line);
 
 // Collects the pairs from the exact search and, if there is a tolerance, from the bounds of
 // distances. A pair of bodies without an entry is farther apart than its margin, unless

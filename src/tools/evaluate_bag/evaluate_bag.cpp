@@ -18,7 +18,6 @@
 #include <set>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/common/stopwatch.h"

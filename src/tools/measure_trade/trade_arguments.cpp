@@ -3,7 +3,6 @@
 #include "tools/measure_trade/trade_arguments.h"
 
 #include <filesystem>
-#include <vector>
 
 #include "tools/common/command_line.h"
 #include "tools/common/output_file.h"

@@ -7,48 +7,24 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <numeric>
+
+#include "core/analysis/union_find.h"
 
 namespace deformable_contact_monitor {
-namespace {
-
-// Sets of indices that are joined in turn.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t size) : parent_(size) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-
-  std::size_t find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-
-  void join(std::size_t a, std::size_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);  // a set goes by its first element
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
-}  // namespace
 
 std::vector<std::unique_ptr<btConvexHullShape>> linkHulls(const TriangleMesh& mesh) {
   const auto finite = [&](std::size_t vertex) {
     const Vec3f p = mesh.vertex(vertex);
     return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
   };
-  DisjointSets parts(mesh.vertexCount());
-  std::map<std::array<float, 3>, std::size_t> first_at;
-  for (std::size_t i = 0; i < mesh.vertexCount(); ++i) {
+  UnionFind parts(mesh.vertexCount());
+  std::map<std::array<float, 3>, std::uint32_t> first_at;
+  for (std::uint32_t i = 0; i < mesh.vertexCount(); ++i) {
     if (!finite(i)) continue;
     const Vec3f p = mesh.vertex(i);
     parts.join(i, first_at.emplace(std::array<float, 3>{p.x, p.y, p.z}, i).first->second);
   }
-  std::map<std::size_t, std::vector<btScalar>> points;  // by the part's first vertex
+  std::map<std::uint32_t, std::vector<btScalar>> points;  // by the part's first vertex
   std::vector<bool> taken(mesh.vertexCount());
   for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
     const std::uint32_t a = mesh.triangles[t], b = mesh.triangles[t + 1], c = mesh.triangles[t + 2];
@@ -57,7 +33,7 @@ std::vector<std::unique_ptr<btConvexHullShape>> linkHulls(const TriangleMesh& me
     parts.join(b, c);
     for (const std::uint32_t vertex : {a, b, c}) taken[vertex] = true;
   }
-  for (std::size_t i = 0; i < taken.size(); ++i) {
+  for (std::uint32_t i = 0; i < taken.size(); ++i) {
     if (!taken[i]) continue;
     const Vec3f p = mesh.vertex(i);
     std::vector<btScalar>& of_part = points[parts.find(i)];

@@ -2,7 +2,6 @@
 // object.
 #pragma once
 
-#include <map>
 #include <string>
 #include <vector>
 

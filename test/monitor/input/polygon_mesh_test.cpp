@@ -1,5 +1,5 @@
 // Tests of the triangles that polygons of pcl_msgs become.
-#include "monitor/input/polygon_mesh_adapter.h"
+#include "monitor/input/mesh_adapters.h"
 
 #ifdef DCM_HAS_PCL_MSGS
 
