@@ -16,7 +16,6 @@
 #include "cuda/cuda_state_checker.h"
 #include "robot_scenes.h"
 #include "tools/measure_trade/state_measurement.h"
-#include "tools/measure_trade/state_rivals.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -1,5 +1,4 @@
-// Writes the results of measure_trade --tolerance and --margins, and chooses a setting. The columns
-// of a table and the keys of summary.json come from the same list.
+// Writes the results of measure_trade --tolerance and --margins, and chooses a setting.
 #include "tools/measure_trade/bound_report.h"
 
 #include <algorithm>
@@ -19,11 +18,12 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Returns the values of a row, in the order of the columns.
-std::vector<std::pair<std::string, double>> row(const BoundMeasurement& m,
-                                                const BoundMeasurement& exact) {
-  return {{"overlap", m.setting.overlap},
-          {"tolerance_m", m.setting.tolerance_m},
+TableRow row(const TradeArguments& arguments, const BoundMeasurement& m,
+             const BoundMeasurement& exact) {
+  return {{"backend", m.setting.backend},
+          {"threads", arguments.base.threads},
+          {"overlap", toDecimal(m.setting.overlap)},
+          {"tolerance_m", toDecimal(m.setting.tolerance_m)},
           {"budget_ms", m.setting.budget_ms},
           {"cycles", m.ms.size()},
           {"median_ms", median(m.ms)},
@@ -55,14 +55,31 @@ double perCycle(std::uint64_t sum, const MarginMeasurement& m) {
   return m.ms.empty() ? 0 : static_cast<double>(sum) / static_cast<double>(m.ms.size());
 }
 
-// Returns the numbers of a row, in the order of the columns.
-std::vector<std::pair<std::string, double>> row(const MarginMeasurement& m) {
-  return {{"cycles", static_cast<double>(m.ms.size())},
+TableRow row(const TradeArguments& arguments, const MarginMeasurement& m) {
+  return {{"backend", m.setting.backend},
+          {"threads", arguments.base.threads},
+          {"margin_m", toDecimal(m.setting.margin_m)},
+          {"use", toString(m.setting.use)},
+          {"cycles", m.ms.size()},
           {"median_ms", median(m.ms)},
           {"p95_ms", percentile(m.ms, 0.95)},
           {"p99_ms", percentile(m.ms, 0.99)},
           {"body_pairs", perCycle(m.body_pairs, m)},
           {"triangle_pairs", perCycle(m.triangle_pairs, m)}};
+}
+
+std::vector<TableRow> rows(const TradeArguments& arguments,
+                           const std::vector<BoundMeasurement>& all) {
+  std::vector<TableRow> rows;
+  for (const BoundMeasurement& m : all) rows.push_back(row(arguments, m, all.front()));
+  return rows;
+}
+
+std::vector<TableRow> rows(const TradeArguments& arguments,
+                           const std::vector<MarginMeasurement>& all) {
+  std::vector<TableRow> rows;
+  for (const MarginMeasurement& m : all) rows.push_back(row(arguments, m));
+  return rows;
 }
 
 // Returns how the lines for people begin that say how many threads there were.
@@ -71,7 +88,7 @@ std::string threadsText(const TradeArguments& arguments) {
   return "on " + std::to_string(threads) + (threads == 1 ? " thread:\n" : " threads (0: all):\n");
 }
 
-// Returns the beginning of summary.json, with the broken promises.
+// Returns the beginning of summary.json, with the broken promises and the settings.
 template <class Measurement>
 Json promisesJson(const TradeArguments& arguments, const std::vector<Measurement>& all,
                   const FrameSource& frames) {
@@ -80,35 +97,20 @@ Json promisesJson(const TradeArguments& arguments, const std::vector<Measurement
   for (const Measurement& m : all) {
     if (!m.broken.empty()) json["broken_promises"].push_back(m.broken);
   }
-  json["settings"] = Json::array();
+  json["settings"] = jsonTable(rows(arguments, all));
   return json;
 }
 
 }  // namespace
 
 std::string boundsCsv(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all) {
-  std::string title = "backend,threads", lines;
-  for (const auto& [name, value] : row(all.front(), all.front())) title += "," + name;
-  for (const BoundMeasurement& m : all) {
-    lines += m.setting.backend + "," + std::to_string(arguments.base.threads);
-    for (const auto& [name, value] : row(m, all.front())) {
-      lines += ",";
-      lines += name == "tolerance_m" ? numberText(m.setting.tolerance_m) : numberText(value);
-    }
-    lines += "\n";
-  }
-  return title + "\n" + lines;
+  return csvTable(rows(arguments, all));
 }
 
 std::string boundsJson(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all,
                        const FrameSource& frames) {
   Json json = promisesJson(arguments, all, frames);
   json["budget_ms"] = arguments.budget_ms ? Json(*arguments.budget_ms) : Json();
-  for (const BoundMeasurement& m : all) {
-    Json of_setting = {{"backend", m.setting.backend}};
-    for (const auto& [name, value] : row(m, all.front())) of_setting[name] = value;
-    json["settings"].push_back(of_setting);
-  }
   const std::optional<std::size_t> chosen = chooseBounds(arguments, all);
   json["chosen"] = chosen ? Json(describe(all[*chosen].setting)) : Json();
   return jsonText(json);
@@ -166,27 +168,12 @@ std::string boundsYaml(const TradeArguments& arguments, const std::vector<BoundM
 }
 
 std::string marginsCsv(const TradeArguments& arguments, const std::vector<MarginMeasurement>& all) {
-  std::string text = "backend,threads,margin_m,use";
-  for (const auto& [name, value] : row(all.front())) text += "," + name;
-  for (const MarginMeasurement& m : all) {
-    text += "\n" + m.setting.backend + "," + std::to_string(arguments.base.threads) + "," +
-            numberText(m.setting.margin_m) + "," + toString(m.setting.use);
-    for (const auto& [name, value] : row(m)) text += "," + numberText(value);
-  }
-  return text + "\n";
+  return csvTable(rows(arguments, all));
 }
 
 std::string marginsJson(const TradeArguments& arguments, const std::vector<MarginMeasurement>& all,
                         const FrameSource& frames) {
-  Json json = promisesJson(arguments, all, frames);
-  for (const MarginMeasurement& m : all) {
-    Json of_setting = {{"backend", m.setting.backend},
-                       {"margin_m", m.setting.margin_m},
-                       {"use", toString(m.setting.use)}};
-    for (const auto& [name, value] : row(m)) of_setting[name] = value;
-    json["settings"].push_back(of_setting);
-  }
-  return jsonText(json);
+  return jsonText(promisesJson(arguments, all, frames));
 }
 
 std::string marginsText(const TradeArguments& arguments,

@@ -1,4 +1,4 @@
-#include "tools/measure_trade/state_rivals.h"
+#include "tools/measure_trade/state_measurement.h"
 
 #ifdef DCM_HAVE_FCL
 #include <fcl/geometry/bvh/BVH_model.h>

@@ -24,7 +24,6 @@
 #include "tools/measure_trade/margin_measurement.h"
 #include "tools/measure_trade/motion_measurement.h"
 #include "tools/measure_trade/motion_report.h"
-#include "tools/measure_trade/robot_states.h"
 #include "tools/measure_trade/state_measurement.h"
 #include "tools/measure_trade/trade_arguments.h"
 #include "tools/measure_trade/trade_measurement.h"

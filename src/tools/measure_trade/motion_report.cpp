@@ -38,9 +38,8 @@ std::vector<double> times(const MotionResults& found, const MotionWay& way) {
   return ms;
 }
 
-// Returns the values of a row of motions.csv, in the order of its columns.
-std::vector<std::pair<std::string, Json>> row(const MotionResults& found,
-                                              const MotionCounts& counts, std::size_t way) {
+// Returns a row of motions.csv.
+TableRow row(const MotionResults& found, const MotionCounts& counts, std::size_t way) {
   const MotionWay& look = waysToLook()[way];
   const auto& [contacts, onsets] = counts.ways[way];
   const TimeError error = timeError(counts.truth, onsets);
@@ -60,10 +59,14 @@ std::vector<std::pair<std::string, Json>> row(const MotionResults& found,
           {"median_ms", median(ms)}};
 }
 
-// Returns the value as in JSON, but words without quotes.
-std::string shown(const Json& value) {
-  if (value.is_string()) return value.get<std::string>();
-  return value.is_number_float() ? numberText(value.get<double>()) : value.dump();
+std::vector<TableRow> rows(const MotionResults& found, const std::vector<MotionCounts>& levels) {
+  std::vector<TableRow> rows;
+  for (const MotionCounts& counts : levels) {
+    for (std::size_t way = 0; way < counts.ways.size(); ++way) {
+      rows.push_back(row(found, counts, way));
+    }
+  }
+  return rows;
 }
 
 // Adds the times of an onset to a row; empty fields if it was not found.
@@ -102,19 +105,7 @@ MotionCounts countMotions(const MotionResults& found, MotionLevel level) {
 }
 
 std::string motionsCsv(const MotionResults& found, const std::vector<MotionCounts>& levels) {
-  std::string title, lines;
-  for (const MotionCounts& counts : levels) {
-    for (std::size_t way = 0; way < counts.ways.size(); ++way) {
-      std::string names, line;
-      for (const auto& [name, value] : row(found, counts, way)) {
-        names += (names.empty() ? "" : ",") + name;
-        line += (line.empty() ? "" : ",") + shown(value);
-      }
-      title = names + "\n";
-      lines += line + "\n";
-    }
-  }
-  return title + lines;
+  return csvTable(rows(found, levels));
 }
 
 // `after_frame` is the frame at which the onset's interval begins. Ways by instant motion have one
@@ -152,14 +143,7 @@ std::string motionJson(const TradeArguments& arguments, const MotionResults& fou
   std::vector<double> ms;
   for (const MotionStep& step : found.steps) ms.push_back(step.round_trip_ms);
   json["truth_median_ms"] = median(ms);
-  json["motions"] = Json::array();
-  for (const MotionCounts& counts : levels) {
-    for (std::size_t way = 0; way < counts.ways.size(); ++way) {
-      Json of_way;
-      for (const auto& [name, value] : row(found, counts, way)) of_way[name] = value;
-      json["motions"].push_back(of_way);
-    }
-  }
+  json["motions"] = jsonTable(rows(found, levels));
   return jsonText(json);
 }
 

@@ -1,5 +1,3 @@
-#include "tools/measure_trade/robot_states.h"
-
 #include <algorithm>
 #include <fstream>
 #include <random>
@@ -10,6 +8,7 @@
 #include "core/mesh_file.h"
 #include "robot/robot_geometry.h"
 #include "robot/robot_poses.h"
+#include "tools/measure_trade/state_measurement.h"
 
 namespace deformable_contact_monitor {
 namespace {

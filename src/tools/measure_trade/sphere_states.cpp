@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/tiling.h"
-#include "tools/measure_trade/state_rivals.h"
+#include "tools/measure_trade/state_measurement.h"
 
 namespace deformable_contact_monitor {
 namespace {

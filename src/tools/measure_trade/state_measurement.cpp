@@ -2,20 +2,37 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <utility>
 
 #include "cuda/detector_choice.h"
 #include "tools/common/formatted.h"
 #include "tools/common/reports.h"
 #include "tools/common/sample_statistics.h"
-#include "tools/measure_trade/state_rivals.h"
 #include "tools/measure_trade/trade_grid.h"
+#include "tools/measure_trade/trade_report.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 double shareOfStates(std::size_t part, std::size_t all) {
   return all == 0 ? 0 : static_cast<double>(part) / static_cast<double>(all);
+}
+
+std::vector<TableRow> rows(const std::vector<StateMeasurement>& all) {
+  std::vector<TableRow> rows;
+  for (const StateMeasurement& m : all) {
+    rows.push_back({{"way", m.way},
+                    {"question", m.nearest ? "nearest" : "touch"},
+                    {"threads", m.threads},
+                    {"batch", m.batch},
+                    {"median_us", median(m.us)},
+                    {"p95_us", percentile(m.us, 0.95)},
+                    {"states", m.states},
+                    {"false_free", shareOfStates(m.false_free, m.states)},
+                    {"false_blocked", shareOfStates(m.false_blocked, m.states)}});
+  }
+  return rows;
 }
 
 }  // namespace
@@ -87,18 +104,7 @@ std::vector<std::size_t> batchSizes(const StateWay& way, std::size_t states) {
   return sizes;
 }
 
-std::string statesCsv(const std::vector<StateMeasurement>& all) {
-  std::string text =
-      "way,question,threads,batch,median_us,p95_us,states,false_free,false_blocked\n";
-  for (const StateMeasurement& m : all) {
-    text += m.way + "," + (m.nearest ? "nearest" : "touch") + "," + std::to_string(m.threads) +
-            "," + std::to_string(m.batch) + "," + numberText(median(m.us)) + "," +
-            numberText(percentile(m.us, 0.95)) + "," + std::to_string(m.states) + "," +
-            numberText(shareOfStates(m.false_free, m.states)) + "," +
-            numberText(shareOfStates(m.false_blocked, m.states)) + "\n";
-  }
-  return text;
-}
+std::string statesCsv(const std::vector<StateMeasurement>& all) { return csvTable(rows(all)); }
 
 std::string statesJson(const std::string& command, const SceneStates& states,
                        const std::vector<bool>& touches, const std::vector<StateMeasurement>& all) {
@@ -111,17 +117,7 @@ std::string statesJson(const std::string& command, const SceneStates& states,
   json["states"] = states.count();
   json["touching"] = std::count(touches.begin(), touches.end(), true);
   json["margin_m"] = states.scene.body(0).margin_m;
-  json["ways"] = nlohmann::json::array();
-  for (const StateMeasurement& m : all) {
-    json["ways"].push_back({{"way", m.way},
-                            {"question", m.nearest ? "nearest" : "touch"},
-                            {"threads", m.threads},
-                            {"batch", m.batch},
-                            {"median_us", median(m.us)},
-                            {"p95_us", percentile(m.us, 0.95)},
-                            {"false_free", shareOfStates(m.false_free, m.states)},
-                            {"false_blocked", shareOfStates(m.false_blocked, m.states)}});
-  }
+  json["ways"] = jsonTable(rows(all));
   return jsonText(json);
 }
 
@@ -137,5 +133,12 @@ std::string statesText(const std::vector<StateMeasurement>& all) {
   }
   return text;
 }
+
+#ifndef DCM_HAVE_BAGS
+SceneStates makeRobotStates(const RobotStateFiles& /*files*/, std::size_t /*count*/,
+                            std::uint32_t /*seed*/) {
+  throw std::runtime_error("--states reads a robot, which a build without ROS cannot do");
+}
+#endif
 
 }  // namespace deformable_contact_monitor

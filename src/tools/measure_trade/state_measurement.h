@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -67,5 +68,37 @@ std::string statesJson(const std::string& command, const SceneStates& states,
                        const std::vector<bool>& touches, const std::vector<StateMeasurement>& all);
 // Returns the same as a text for people.
 std::string statesText(const std::vector<StateMeasurement>& all);
+
+// What --states measures on. The mesh is in the frame of the robot's root link.
+struct RobotStateFiles {
+  std::string urdf;       // its joints are anywhere within their limits, each state by itself
+  std::string mesh;       // body 0
+  float margin_m = 0.1F;  // of the mesh
+};
+
+// Reads the files, and poses the links' collision meshes for `count` random states. Pairs of the
+// mesh and links are enabled. Throws std::runtime_error or std::invalid_argument, one line, if a
+// file cannot be read or no joint moves a link with a mesh, and always in a build without ROS.
+SceneStates makeRobotStates(const RobotStateFiles& files, std::size_t count, std::uint32_t seed);
+
+// Other ways to decide states of a robot, which ours are compared with.
+
+// Returns a checker that uses FCL (the Flexible Collision Library), one thread: a bounding volume
+// hierarchy of each body is built once and kept, and each pair of bodies is collided up to the
+// first contact. It knows only whether a state touches, of bodies whose triangles are all finite
+// and whose poses are rigid, without parts and radii. Its triangle test works in floating point.
+// Null in a build without FCL.
+std::unique_ptr<StateChecker> makeFclStateChecker();
+
+// How large the spheres of a link are.
+enum class SphereSize {
+  kCovering,  // they cover the link
+  kMean,      // as far from its centre as the sphere's vertices on average
+};
+
+// Returns a checker that takes spheres in place of the moved bodies, as planners usually do: so
+// many for each, around groups of its triangles. Whether a sphere touches the other bodies'
+// triangles is decided exactly, on one thread.
+std::unique_ptr<StateChecker> makeSphereStateChecker(std::size_t spheres_per_body, SphereSize size);
 
 }  // namespace deformable_contact_monitor

@@ -150,6 +150,12 @@ Json settingJson(const Measurement& m) {
           {"guaranteed", worth.guaranteed}};
 }
 
+// Returns a value as in JSON, but words without quotes.
+std::string shown(const Json& value) {
+  if (value.is_string()) return csvField(value.get<std::string>());
+  return value.is_number_float() ? numberText(value.get<double>()) : value.dump();
+}
+
 Json contactsJson(const ExactResults& exact) {
   Json json = Json::array();
   for (std::size_t frame = 0; frame < exact.labels.size(); ++frame) {
@@ -159,6 +165,28 @@ Json contactsJson(const ExactResults& exact) {
 }
 
 }  // namespace
+
+std::string csvTable(const std::vector<TableRow>& rows) {
+  std::string title, lines;
+  for (const auto& [name, value] : rows.front()) title += "," + name;
+  for (const TableRow& row : rows) {
+    std::string line;
+    for (const auto& [name, value] : row) line += "," + shown(value);
+    lines += line.substr(1) + "\n";
+  }
+  return title.substr(1) + "\n" + lines;
+}
+
+Json jsonTable(const std::vector<TableRow>& rows) {
+  Json table = Json::array();
+  for (const TableRow& row : rows) {
+    table.emplace_back();
+    for (const auto& [name, value] : row) table.back()[name] = value;
+  }
+  return table;
+}
+
+double toDecimal(float number) { return std::stod(numberText(number)); }
 
 // The command and the machine let a reader repeat the measurement.
 nlohmann::json summaryHead(const TradeArguments& arguments, const FrameSource& frames) {

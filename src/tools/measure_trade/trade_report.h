@@ -7,6 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/measure_trade/frame_source.h"
@@ -24,6 +25,18 @@ struct TradeResults {
   std::size_t fastest = 0;                // index
   std::vector<std::size_t> as_fast;       // others whose time is within noise of the chosen one's
 };
+
+// A row of a table: its columns' names and values, in order.
+using TableRow = std::vector<std::pair<std::string, nlohmann::json>>;
+
+// Returns a table of rows, which have the same columns, with a title. There must be a row.
+std::string csvTable(const std::vector<TableRow>& rows);
+
+// Returns the same as a list of objects.
+nlohmann::json jsonTable(const std::vector<TableRow>& rows);
+
+// Returns the number with the fewest digits that is this float32 when rounded.
+double toDecimal(float number);
 
 // Returns what each summary.json begins with: version, command, machine, adjacent pairs, threads
 // and bodies.
