@@ -6,26 +6,23 @@ detection; recall and precision of pairs of bodies against time, of tolerances a
 largest distance at a claimed contact against the tolerance, which is the line; the share of pairs
 of bodies that were decided, and their p99, against the budget, a line a tolerance.
 """
-import csv
 import sys
 
 sys.dont_write_bytecode = True  # beside programs there is no place for it
 # pylint: disable=wrong-import-position
-from plot_trade import BACKENDS, draw, legend, log_axis, panels, percent_axis
+from plot_trade import (BACKENDS, Measured, draw, legend, log_axis, numbers, panels,
+                        percent_axis)
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#e69f00", "#56b4e9", "#cc79a7")
 
 
-class Scene:
-    """One folder that measure_trade --tolerance wrote."""
+class Scene(Measured):
+    """What measure_trade --tolerance found."""
 
     def __init__(self, folder):
-        self.name = folder.resolve().name
-        with open(folder / "bounds.csv", newline="", encoding="utf-8") as file:
-            rows = [{name: value if name == "backend" else float(value)
-                     for name, value in row.items()} for row in csv.DictReader(file)]
-        if not rows:
-            raise ValueError(f"{folder / 'bounds.csv'}: has no row")
+        super().__init__(folder, "bounds.csv")
+        rows = [{name: value if name == "backend" else float(value)
+                 for name, value in row.items()} for row in self.rows]
         self.exact = [row for row in rows if is_exact(row)]
         self.overlaps = [row for row in rows if row["overlap"] < 1]
         bounded = [row for row in rows if row["tolerance_m"] > 0 or row["budget_ms"] > 0]
@@ -35,10 +32,6 @@ class Scene:
 
 def is_exact(row):
     return row["overlap"] == 1 and row["tolerance_m"] == 0 and row["budget_ms"] == 0
-
-
-def numbers(rows, key, factor=1):
-    return [factor * row[key] for row in rows]
 
 
 def plot_times(axis, scene):

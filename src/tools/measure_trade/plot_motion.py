@@ -4,13 +4,12 @@
 lost.png    the share of contacts and of onsets that each way to look loses, of pairs of triangles
 onsets.png  onsets found so far, of pairs of triangles, over the frames
 """
-import csv
 import json
 import sys
 
 sys.dont_write_bytecode = True  # beside programs there is no place for it
 # pylint: disable=wrong-import-position
-from plot_trade import draw, legend, panels, scene_panels
+from plot_trade import Measured, draw, legend, panels, read_table, scene_panels
 
 TRUTH = "swept, all frames"
 COLORS = {"instant": "#d55e00", "instant_kept": "#e69f00", "swept_kept": "#0072b2"}
@@ -18,20 +17,15 @@ WAYS = tuple(COLORS)  # in the order of the rows of motions.csv
 ROWS = (("triangles", "contacts"), ("triangles", "onsets"))
 
 
-class Scene:
-    """One folder that measure_trade --swept wrote."""
+class Scene(Measured):
+    """What measure_trade --swept found."""
 
     def __init__(self, folder):
-        self.name = folder.resolve().name
-        with open(folder / "motions.csv", newline="", encoding="utf-8") as file:
-            self.rows = list(csv.DictReader(file))
-        with open(folder / "onsets.csv", newline="", encoding="utf-8", errors="replace") as file:
-            self.onsets = list(csv.DictReader(file))
+        super().__init__(folder, "motions.csv")
+        self.onsets = read_table(folder / "onsets.csv")
         with open(folder / "summary.json", encoding="utf-8") as file:
             summary = json.load(file)
         self.every, self.frames = summary["every"], len(summary["frames"])
-        if not self.rows:
-            raise ValueError(f"{folder / 'motions.csv'}: has no row")
 
     def lost(self, level, what):
         """By way: lost, of how many."""

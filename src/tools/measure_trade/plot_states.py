@@ -5,23 +5,18 @@ A column a scene; above, the time of a state against the number of states that a
 below, which share of the states other ways call free though they touch, or blocked though they do
 not.
 """
-import csv
 import sys
 
 sys.dont_write_bytecode = True  # beside programs there is no place for it
 # pylint: disable=wrong-import-position
-from plot_trade import BACKENDS, STYLES, draw, legend, log_axis, panels
+from plot_trade import BACKENDS, STYLES, Measured, draw, legend, log_axis, panels
 
 
-class Scene:
-    """One folder that measure_trade --states wrote."""
+class Scene(Measured):
+    """What measure_trade --states found."""
 
     def __init__(self, folder):
-        self.name = folder.resolve().name
-        with open(folder / "states.csv", newline="", encoding="utf-8") as file:
-            self.rows = list(csv.DictReader(file))
-        if not self.rows:
-            raise ValueError(f"{folder / 'states.csv'}: has no row")
+        super().__init__(folder, "states.csv")
         self.others = [row for row in self.rows if row["way"] not in BACKENDS]
 
     def line(self, backend, question):

@@ -27,15 +27,21 @@ WIDTH, HEIGHT = 3.2, 2.5  # of a panel [inches]
 USUAL = {"fuzzifier": "2", "iterations": "1", "refresh_period": "1"}
 
 
-class Scene:
-    """One folder that measure_trade wrote."""
+class Measured:
+    """One folder that measure_trade wrote, with the rows of a table there."""
+
+    def __init__(self, folder, table):
+        self.name = folder.resolve().name
+        self.rows = read_table(folder / table)
+        if not self.rows:
+            raise ValueError(f"{folder / table}: has no row")
+
+
+class Scene(Measured):
+    """What the grid of settings found."""
 
     def __init__(self, folder):
-        self.name = folder.resolve().name
-        with open(folder / "settings.csv", newline="", encoding="utf-8") as file:
-            self.rows = list(csv.DictReader(file))
-        if not self.rows:
-            raise ValueError(f"{folder / 'settings.csv'}: has no row")
+        super().__init__(folder, "settings.csv")
         self.backends = [b for b in BACKENDS if any(row["backend"] == b for row in self.rows)]
 
     def select(self, **wanted):
@@ -47,12 +53,17 @@ class Scene:
         return self.select(**first, **wanted)
 
 
+def read_table(path):
+    with open(path, newline="", encoding="utf-8", errors="replace") as file:
+        return list(csv.DictReader(file))
+
+
 def recall(row):
     return min(float(row[key] or 1) for key in ("recall_external_worst", "recall_self_worst"))
 
 
-def numbers(rows, key):
-    return [float(row[key]) for row in rows]
+def numbers(rows, key, factor=1):
+    return [factor * float(row[key]) for row in rows]
 
 
 def panels(rows, columns, **options):
