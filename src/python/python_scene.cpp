@@ -172,19 +172,11 @@ void PythonScene::setPose(std::int64_t id, py::handle rotation, py::handle trans
   changeable().setPose(checkedId(id), pose);
 }
 
-// The core checks the value, here and in the functions below.
-void PythonScene::setMargin(std::int64_t id, float margin_m) {
-  changeable().setMargin(checkedId(id), margin_m);
-}
-
+// The core checks the values, here and in the functions below.
 void PythonScene::setPartMargins(std::int64_t id, const std::map<std::int64_t, float>& margins_m) {
   std::map<PartId, float> of_parts;
   for (const auto& [part, margin_m] : margins_m) of_parts[checkedPart(part)] = margin_m;
   changeable().setPartMargins(checkedId(id), std::move(of_parts));
-}
-
-void PythonScene::setRadius(std::int64_t id, float radius_m) {
-  changeable().setRadius(checkedId(id), radius_m);
 }
 
 // Without vertices, the body was rigid; without a pose, it did not move.
@@ -204,12 +196,6 @@ void PythonScene::setEarlier(std::int64_t id, py::handle vertices, py::handle ro
     throw std::invalid_argument(name + ": vertices has none, must have as many as the body");
   }
   changeable().setEarlier(checkedId(id), pose, std::move(earlier));
-}
-
-void PythonScene::clearEarlier(std::int64_t id) { changeable().clearEarlier(checkedId(id)); }
-
-void PythonScene::setPad(std::int64_t id, float pad_m) {
-  changeable().setPad(checkedId(id), pad_m);
 }
 
 void PythonScene::setPairEnabled(std::int64_t a, std::int64_t b, bool enabled) {
@@ -292,14 +278,17 @@ void bindScene(py::module& module) {
            py::arg("stream") = py::none(), kSetDeviceVerticesText)
       .def("set_pose", &Self::setPose, py::arg("id"), py::arg("rotation"), py::arg("translation"),
            kSetPoseText)
-      .def("set_margin", &Self::setMargin, py::arg("id"), py::arg("margin_m"), kSetMarginText)
+      .def("set_margin", &Self::change<&Scene::setMargin, float>, py::arg("id"),
+           py::arg("margin_m"), kSetMarginText)
       .def("set_part_margins", &Self::setPartMargins, py::arg("id"), py::arg("margins_m"),
            kSetPartMarginsText)
-      .def("set_radius", &Self::setRadius, py::arg("id"), py::arg("radius_m"), kSetRadiusText)
+      .def("set_radius", &Self::change<&Scene::setRadius, float>, py::arg("id"),
+           py::arg("radius_m"), kSetRadiusText)
       .def("set_earlier", &Self::setEarlier, py::arg("id"), py::arg("vertices") = py::none(),
            py::arg("rotation") = py::none(), py::arg("translation") = py::none(), kSetEarlierText)
-      .def("clear_earlier", &Self::clearEarlier, py::arg("id"), kClearEarlierText)
-      .def("set_pad", &Self::setPad, py::arg("id"), py::arg("pad_m"), kSetPadText)
+      .def("clear_earlier", &Self::change<&Scene::clearEarlier>, py::arg("id"), kClearEarlierText)
+      .def("set_pad", &Self::change<&Scene::setPad, float>, py::arg("id"), py::arg("pad_m"),
+           kSetPadText)
       .def("set_pair_enabled", &Self::setPairEnabled, py::arg("a"), py::arg("b"),
            py::arg("enabled") = true, kSetPairEnabledText)
       .def("set_parts", &Self::setParts, py::arg("id"), py::arg("parts"), kSetPartsText)

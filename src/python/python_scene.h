@@ -37,20 +37,17 @@ class PythonScene {
                          std::optional<std::uintptr_t> stream);
   // Sets the pose: p_scene = rotation p_body + translation [m].
   void setPose(std::int64_t id, pybind11::handle rotation, pybind11::handle translation);
-  // Sets the distance up to which triangles of the body count as contacts [m].
-  void setMargin(std::int64_t id, float margin_m);
   // Sets margins of named parts [m], by the numbers of the parts.
   void setPartMargins(std::int64_t id, const std::map<std::int64_t, float>& margins_m);
-  // Makes the body all points at most this far from its triangles [m].
-  void setRadius(std::int64_t id, float radius_m);
   // Sets where the body was at the beginning of the interval: vertices [m] in the body's frame, and
   // the pose. None means the body's present value. Rotation and translation must be given together.
   void setEarlier(std::int64_t id, pybind11::handle vertices, pybind11::handle rotation,
                   pybind11::handle translation);
-  // Removes the earlier state, so that the body does not move in the next interval.
-  void clearEarlier(std::int64_t id);
-  // Sets the motion bound of the body [m]: how far its path may be from the straight one.
-  void setPad(std::int64_t id, float pad_m);
+  // Calls a function of Scene that changes a body, which checks the values.
+  template <auto change, class... Values>
+  void change(std::int64_t id, Values... values) {
+    (changeable().*change)(checkedId(id), values...);
+  }
   // Enables or disables contacts of two bodies; a == b is self-contact.
   void setPairEnabled(std::int64_t a, std::int64_t b, bool enabled);
   // Sets the part of each triangle, or removes the parts (None).

@@ -22,8 +22,9 @@ using diagnostic_msgs::DiagnosticStatus;
 
 constexpr std::size_t kLatestCycles = 200;  // that times and shares are computed from
 
-// Returns the nearest-rank percentile of the values, which must not be empty.
+// Returns the nearest-rank percentile of the values; 0 if there are none.
 double percentile(const std::deque<double>& values, std::size_t percent) {
+  if (values.empty()) return 0;
   std::vector<double> sorted(values.begin(), values.end());
   const std::size_t rank = (sorted.size() - 1) * percent / 100;
   const auto place = sorted.begin() + static_cast<std::ptrdiff_t>(rank);
@@ -33,13 +34,10 @@ double percentile(const std::deque<double>& values, std::size_t percent) {
 
 // Returns "mean 1.000, median 1.000, p95 1.000, max 1.000". `times_ms` must not be empty.
 std::string describeTimes(const std::deque<double>& times_ms) {
-  std::vector<double> sorted(times_ms.begin(), times_ms.end());
-  std::sort(sorted.begin(), sorted.end());
-  const double mean = std::accumulate(sorted.begin(), sorted.end(), 0.0) / sorted.size();
+  const double mean = std::accumulate(times_ms.begin(), times_ms.end(), 0.0) / times_ms.size();
   char text[128];
   std::snprintf(text, sizeof text, "mean %.3f, median %.3f, p95 %.3f, max %.3f", mean,
-                sorted[(sorted.size() - 1) / 2], sorted[(sorted.size() - 1) * 95 / 100],
-                sorted.back());
+                percentile(times_ms, 50), percentile(times_ms, 95), percentile(times_ms, 100));
   return text;
 }
 
@@ -204,17 +202,14 @@ void TradeWatch::record(const CycleReport& report, double answer_s) {
 void TradeWatch::describe(diagnostic_updater::DiagnosticStatusWrapper& status) const {
   constexpr double kLate = 1.1;
   std::uint64_t pairs = 0, decided = 0;
-  std::vector<double> answers_s;
+  std::deque<double> answers_ms;
   for (const Cycle& cycle : cycles_) {
     pairs += cycle.pairs;
     decided += cycle.decided;
-    answers_s.push_back(cycle.answer_s);
+    answers_ms.push_back(1e3 * cycle.answer_s);
   }
-  std::sort(answers_s.begin(), answers_s.end());
-  const auto answerMs = [&](std::size_t percent) {
-    return answers_s.empty() ? 0 : 1e3 * answers_s[(answers_s.size() - 1) * percent / 100];
-  };
-  const bool is_late = budget_s_ > 0 && answerMs(99) > kLate * 1e3 * budget_s_;
+  const double p99_ms = percentile(answers_ms, 99);
+  const bool is_late = budget_s_ > 0 && p99_ms > kLate * 1e3 * budget_s_;
   status.summary(is_late ? DiagnosticStatus::WARN : DiagnosticStatus::OK,
                  is_late ? "states come later than budget_ms" : "in force");
   status.add("tolerance [m]", tolerance_m_);
@@ -222,9 +217,9 @@ void TradeWatch::describe(diagnostic_updater::DiagnosticStatusWrapper& status) c
   status.addf(
       "pairs of bodies decided", "%.2f %%",
       pairs == 0 ? 100.0 : 100.0 * static_cast<double>(decided) / static_cast<double>(pairs));
-  status.addf("arrival to states [ms]", "median %.3f, p99 %.3f, max %.3f", answerMs(50),
-              answerMs(99), answerMs(100));
-  if (budget_s_ > 0) status.addf("p99 over budget", "%.2f", answerMs(99) / (1e3 * budget_s_));
+  status.addf("arrival to states [ms]", "median %.3f, p99 %.3f, max %.3f",
+              percentile(answers_ms, 50), p99_ms, percentile(answers_ms, 100));
+  if (budget_s_ > 0) status.addf("p99 over budget", "%.2f", p99_ms / (1e3 * budget_s_));
 }
 
 // A body that was missing before keeps the time since when. Bodies that are asked for and found are

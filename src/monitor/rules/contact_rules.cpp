@@ -62,15 +62,15 @@ bool areAllowed(const BodyStatus& a, PartId part_a, const BodyStatus& b, PartId 
 
 }  // namespace
 
-// The order is that of the documentation.
+bool PairClasses::operator==(const PairClasses& other) const {
+  return namesOf(*this) == namesOf(other);
+}
+
 std::vector<std::string> namesOf(const PairClasses& classes) {
   std::vector<std::string> names;
-  if (classes.robot_deformable) names.emplace_back("robot_deformable");
-  if (classes.deformable_deformable) names.emplace_back("deformable_deformable");
-  if (classes.deformable_self) names.emplace_back("deformable_self");
-  if (classes.robot_self) names.emplace_back("robot_self");
-  if (classes.deformable_rigid) names.emplace_back("deformable_rigid");
-  if (classes.robot_rigid) names.emplace_back("robot_rigid");
+  for (const NamedPairClass& one : kPairClasses) {
+    if (classes.*one.is_on) names.emplace_back(one.name);
+  }
   return names;
 }
 
@@ -129,24 +129,6 @@ const AllowedContacts::Rule* AllowedContacts::find(const std::string& a,
   return found == rules_.end() ? nullptr : &found->second;
 }
 
-std::optional<ContactVerdict> AllowedContacts::ofPair(const std::string& a,
-                                                      const std::string& b) const {
-  const Rule* const both = find(a, b);
-  return both == nullptr ? std::nullopt : std::optional(both->verdict());
-}
-
-// A rule with one wildcard can name either body; of two such rules the later one wins.
-std::optional<ContactVerdict> AllowedContacts::ofWildcard(const std::string& a,
-                                                          const std::string& b) const {
-  const Rule *const first = find(a, kAnyBody), *const second = find(b, kAnyBody);
-  if (first != nullptr && (second == nullptr || first->added > second->added)) {
-    return first->verdict();
-  }
-  if (second != nullptr) return second->verdict();
-  const Rule* const any = find(kAnyBody, kAnyBody);
-  return any == nullptr ? std::nullopt : std::optional(any->verdict());
-}
-
 // The rank of a rule grows with how particular its two names are. All names of parts are alike.
 AllowedContacts::Ranked AllowedContacts::findBest(const RuleNames& a, const RuleNames& b) const {
   constexpr std::size_t kRankOfPart = 2;
@@ -171,6 +153,7 @@ std::optional<ContactVerdict> AllowedContacts::ofPair(const RuleNames& a,
   return best.rule == nullptr ? std::nullopt : std::optional(best.rule->verdict());
 }
 
+// A rule with one wildcard can name either body.
 std::optional<ContactVerdict> AllowedContacts::ofWildcard(const RuleNames& a,
                                                           const RuleNames& b) const {
   Ranked best = findBest(a, {kAnyBody});
@@ -181,8 +164,8 @@ std::optional<ContactVerdict> AllowedContacts::ofWildcard(const RuleNames& a,
 }
 
 bool AllowedContacts::allows(const std::string& a, const std::string& b) const {
-  if (const auto pair = ofPair(a, b)) return pair->allowed;
-  return ofWildcard(a, b).value_or(ContactVerdict()).allowed;
+  if (const auto pair = ofPair({a}, {b})) return pair->allowed;
+  return ofWildcard({a}, {b}).value_or(ContactVerdict()).allowed;
 }
 
 std::size_t AllowedContacts::count(RuleSource source) const {
@@ -237,19 +220,12 @@ std::size_t LinkRules::count() const {
 // Asks the sources in the order of their strength; the first that covers the pair decides.
 ContactVerdict ContactRules::verdict(const BodyStatus& a, const BodyStatus& b, PartId piece_a,
                                      PartId piece_b) const {
-  const bool names_part = piece_a != 0 || piece_b != 0;
-  if (const auto pair = names_part ? allowed.ofPair(ruleNames(a, piece_a), ruleNames(b, piece_b))
-                                   : allowed.ofPair(a.name, b.name)) {
-    return *pair;
-  }
+  const auto names_a = ruleNames(a, piece_a), names_b = ruleNames(b, piece_b);
+  if (const auto pair = allowed.ofPair(names_a, names_b)) return *pair;
   if (isAttached(attached, a, piece_a, b) || isAttached(attached, b, piece_b, a)) {
     return {true, RuleSource::kAttached};
   }
-  if (const auto wildcard = names_part
-                                ? allowed.ofWildcard(ruleNames(a, piece_a), ruleNames(b, piece_b))
-                                : allowed.ofWildcard(a.name, b.name)) {
-    return *wildcard;
-  }
+  if (const auto wildcard = allowed.ofWildcard(names_a, names_b)) return *wildcard;
   const bool deforms = a.kind == BodyKind::kDeformable || b.kind == BodyKind::kDeformable;
   if (!deforms && links.allows(a, b)) return {true, RuleSource::kSrdf};
   return {};

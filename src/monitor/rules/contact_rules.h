@@ -14,7 +14,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -37,14 +36,22 @@ struct PairClasses {
   // about.
   bool needRobotCycles() const { return robot_self || robot_rigid; }
 
-  bool operator==(const PairClasses& other) const {
-    const auto all = [](const PairClasses& c) {
-      return std::tie(c.robot_deformable, c.deformable_deformable, c.deformable_self, c.robot_self,
-                      c.deformable_rigid, c.robot_rigid);
-    };
-    return all(*this) == all(other);
-  }
+  bool operator==(const PairClasses& other) const;
 };
+
+// A class of pairs with its name in the parameter pair_classes.
+struct NamedPairClass {
+  const char* name;
+  bool PairClasses::*is_on;
+};
+// All of them, in the order of the documentation.
+constexpr NamedPairClass kPairClasses[] = {
+    {"robot_deformable", &PairClasses::robot_deformable},
+    {"deformable_deformable", &PairClasses::deformable_deformable},
+    {"deformable_self", &PairClasses::deformable_self},
+    {"robot_self", &PairClasses::robot_self},
+    {"deformable_rigid", &PairClasses::deformable_rigid},
+    {"robot_rigid", &PairClasses::robot_rigid}};
 
 // Returns the names of the classes that are on, as the parameter pair_classes lists them.
 std::vector<std::string> namesOf(const PairClasses& classes);
@@ -84,16 +91,13 @@ class AllowedContacts {
   // rule to be removed does not exist. Added rules have the source kService.
   void change(const AllowedContactsChange& change);
 
-  // Returns what the rule for exactly these two bodies says, or what the strongest rule with a
-  // wildcard says; nothing if no such rule exists. Takes logarithmic time.
-  std::optional<ContactVerdict> ofPair(const std::string& a, const std::string& b) const;
-  std::optional<ContactVerdict> ofWildcard(const std::string& a, const std::string& b) const;
-
-  // The same for sides that rules may name in several ways, from the least to the most particular
-  // one: "cloth", "cloth:*", and then parts: "cloth:hem", "cloth:held". Of rules without a
-  // wildcard, and of those with one, the most particular one decides: the names of both sides
-  // count, and among equals the last one wins.
+  // The names by which rules may mean one side of a pair, from the least to the most particular
+  // one: "cloth", and of a part of it then "cloth:*", "cloth:hem", "cloth:held".
   using RuleNames = std::vector<std::string>;
+
+  // Returns what the rule for exactly these two sides says, or what the strongest rule with a
+  // wildcard says; nothing if no such rule exists. Of several the most particular one decides: the
+  // names of both sides count, and among equals the last one wins. Takes logarithmic time.
   std::optional<ContactVerdict> ofPair(const RuleNames& a, const RuleNames& b) const;
   std::optional<ContactVerdict> ofWildcard(const RuleNames& a, const RuleNames& b) const;
 

@@ -7,6 +7,7 @@
 
 #include <ros/names.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <set>
@@ -180,18 +181,13 @@ void warnOfUnusedRigids(const MonitorParameters& p, std::vector<std::string>* wa
 // A list of classes replaces the default list; an empty list means the default.
 void readPairs(ParameterReader* reader, std::vector<std::string>* warnings, MonitorParameters* p) {
   PairClasses classes{false};
-  const std::map<std::string, bool*> by_name = {
-      {"robot_deformable", &classes.robot_deformable},
-      {"deformable_deformable", &classes.deformable_deformable},
-      {"deformable_self", &classes.deformable_self},
-      {"robot_self", &classes.robot_self},
-      {"deformable_rigid", &classes.deformable_rigid},
-      {"robot_rigid", &classes.robot_rigid}};
   const std::vector<std::string> names = reader->texts("pair_classes", {"robot_deformable"});
   for (const std::string& name : names) {
-    const auto found = by_name.find(name);
-    if (found != by_name.end()) {
-      *found->second = true;
+    const auto found =
+        std::find_if(std::begin(kPairClasses), std::end(kPairClasses),
+                     [&name](const NamedPairClass& one) { return name == one.name; });
+    if (found != std::end(kPairClasses)) {
+      classes.*found->is_on = true;
     } else {
       reader->addProblem("pair_classes",
                          "has '" + name +
@@ -201,10 +197,11 @@ void readPairs(ParameterReader* reader, std::vector<std::string>* warnings, Moni
   }
   if (!names.empty()) p->pair_classes = classes;
   // dynamic_reconfigure leaves a flag per class on the parameter server. They do not count here.
-  for (const auto& [name, is_on] : by_name) {
-    const bool starts_on = names.empty() ? name == "robot_deformable" : *is_on;
+  for (const auto& [name, is_on] : kPairClasses) {
+    const bool starts_on = p->pair_classes.*is_on;
     if (!reader->has(name) || reader->flag(name, starts_on) == starts_on) continue;
-    warnings->push_back("~" + name + " has no effect at start, where ~pair_classes decides");
+    warnings->push_back("~" + std::string(name) +
+                        " has no effect at start, where ~pair_classes decides");
   }
 
   for (ParameterReader& entry : reader->structs("allowed_contacts")) {
