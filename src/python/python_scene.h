@@ -44,9 +44,9 @@ class PythonScene {
   void setEarlier(std::int64_t id, pybind11::handle vertices, pybind11::handle rotation,
                   pybind11::handle translation);
   // Calls a function of Scene that changes a body, which checks the values.
-  template <auto change, class... Values>
+  template <auto function, class... Values>
   void change(std::int64_t id, Values... values) {
-    (changeable().*change)(checkedId(id), values...);
+    (changeable().*function)(checkedId(id), values...);
   }
   // Enables or disables contacts of two bodies; a == b is self-contact.
   void setPairEnabled(std::int64_t a, std::int64_t b, bool enabled);
