@@ -115,40 +115,10 @@ void NodeDiagnostics::recordTransforms(const TransformReport& report) {
   transforms_.record(report, Clock::now());
 }
 
-void NodeDiagnostics::recordDetectorError(const std::string& error) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  detector_error_ = error;
-}
-
-void NodeDiagnostics::recordBackend(const BackendState& state) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  backend_state_ = state;
-}
-
 void NodeDiagnostics::recordReset(const std::string& reason) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++resets_;
   last_reset_ = reason;
-}
-
-void NodeDiagnostics::recordOpenBodies(const std::string& bodies) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  open_bodies_ = bodies;
-}
-
-void NodeDiagnostics::recordMaxRate(double max_rate_hz) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  max_rate_hz_ = max_rate_hz;
-}
-
-void NodeDiagnostics::recordEnabled(bool enabled) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  enabled_ = enabled;
-}
-
-void NodeDiagnostics::recordRules(const RulesInForce& rules) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  rules_ = rules;
 }
 
 // Shows the robot, the backend, and errors of both. mergeSummary() keeps the worst

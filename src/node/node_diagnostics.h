@@ -51,18 +51,18 @@ class NodeDiagnostics {
   // Notes which transforms the last cycle looked up, and which of them were missing.
   void recordTransforms(const TransformReport& report);
   // Takes why a detection failed; empty: it did not.
-  void recordDetectorError(const std::string& error);
+  void recordDetectorError(const std::string& error) { set(error, &detector_error_); }
   // Takes the backend's state when it fails, or works again.
-  void recordBackend(const BackendState& state);
+  void recordBackend(const BackendState& state) { set(state, &backend_state_); }
   // Notes that meshes, transforms and states were discarded, and why. Counts the resets.
   void recordReset(const std::string& reason);
   // Takes the names of bodies that are not closed; empty: all examined bodies are closed.
-  void recordOpenBodies(const std::string& bodies);
+  void recordOpenBodies(const std::string& bodies) { set(bodies, &open_bodies_); }
   // Takes the highest rate of an object's cycles [Hz]; 0: no limit.
-  void recordMaxRate(double max_rate_hz);
+  void recordMaxRate(double max_rate_hz) { set(max_rate_hz, &max_rate_hz_); }
   // Notes whether the monitor is enabled, and which rules are in force.
-  void recordEnabled(bool enabled);
-  void recordRules(const RulesInForce& rules);
+  void recordEnabled(bool enabled) { set(enabled, &enabled_); }
+  void recordRules(const RulesInForce& rules) { set(rules, &rules_); }
   // Notes that the ROS master no longer knows this node.
   void recordUnregistered() { is_unregistered_ = true; }
 
@@ -82,6 +82,11 @@ class NodeDiagnostics {
   using Status = diagnostic_updater::DiagnosticStatusWrapper;
   using Clock = std::chrono::steady_clock;
 
+  template <class Value>
+  void set(const Value& value, Value* to) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    *to = value;
+  }
   // Adds a status that `describe` fills while the mutex is held.
   void add(const std::string& name, const std::function<void(Status&)>& describe);
   // Each of these functions fills the status of the same name. The caller holds the mutex.

@@ -59,21 +59,6 @@ RobotSource::RobotSource(const MonitorParameters& parameters, const ros::NodeHan
   }
 }
 
-std::shared_ptr<const RobotGeometry> RobotSource::newest() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return robot_;
-}
-
-std::string RobotSource::problem() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return problem_;
-}
-
-std::string RobotSource::srdfProblem() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return srdf_problem_;
-}
-
 void RobotSource::reload() {
   if (!parameters_.pair_classes.needRobot()) throw std::runtime_error("no robot is monitored");
   if (parameters_.robot_source == RobotSourceKind::kTopic) {

@@ -31,13 +31,13 @@ class RobotSource {
               ros::NodeHandle private_node, std::function<void()> changed);
 
   // Returns the newest robot, null while there is none. A new object means a new robot.
-  std::shared_ptr<const RobotGeometry> newest() const;
+  std::shared_ptr<const RobotGeometry> newest() const { return get(robot_); }
 
   // Returns why the latest robot that was offered is not used; empty if it is.
-  std::string problem() const;
+  std::string problem() const { return get(problem_); }
 
   // Returns why an SRDF that was found is not used; empty if there is no such problem.
-  std::string srdfProblem() const;
+  std::string srdfProblem() const { return get(srdf_problem_); }
 
   // Loads robot_description and the SRDF again. Throws as the constructor does, and also if an SRDF
   // that was only found cannot be used, or if the robot comes from a topic; then the robot stays as
@@ -48,6 +48,11 @@ class RobotSource {
   void stop() { is_stopped_ = true; }
 
  private:
+  template <class Value>
+  Value get(const Value& member) const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return member;
+  }
   // Loads and checks the robots of the parameters with the URDFs. Throws std::runtime_error.
   RobotGeometry loadFromDescriptions(const std::vector<Srdf>& srdfs) const;
   // Reads the URDF of one robot. Throws std::runtime_error.

@@ -84,11 +84,8 @@ std::string describe(const PythonResult& result) {
 // Returns the text of repr() of a NearestPair.
 std::string describeNearest(const PythonNearest& pair) {
   return "<NearestPair: " + pair.name_a + " and " + pair.name_b + ", " +
-         std::to_string(pair.nearest.distance_m) + " m>";
+         std::to_string(pair.distance_m) + " m>";
 }
-
-// Returns (x, y, z).
-py::tuple toTuple(const Vec3f& v) { return py::make_tuple(v.x, v.y, v.z); }
 
 constexpr const char* kDistancesText = R"(What is certain of the distance of pairs of two bodies.
 
@@ -184,7 +181,7 @@ floating point), undecided (of the contacts: assumed to be some, by conservative
 
 PythonDistance::PythonDistance(const BodyDistance& in_distance, const Scene& scene,
                                float tolerance_m)
-    : distance(in_distance), state(toString(decide(in_distance, scene, tolerance_m))) {}
+    : BodyDistance(in_distance), state(toString(decide(in_distance, scene, tolerance_m))) {}
 
 // Copies everything: the detector overwrites its result in the next cycle.
 PythonResult::PythonResult(const DetectionResult& result, const std::string& in_backend,
@@ -246,37 +243,41 @@ PythonResult::PythonResult(const DetectionResult& result, const std::string& in_
 
 namespace {
 
+// Returns what reads a point or a direction of an object as (x, y, z).
+template <class Self, class Owner>
+auto tupleOf(Vec3f Owner::*member) {
+  return [member](const Self& self) {
+    const Vec3f& v = self.*member;
+    return py::make_tuple(v.x, v.y, v.z);
+  };
+}
+
+// Returns what reads the two triangles of an object.
+template <class Self, class Owner>
+auto trianglesOf(TrianglePair Owner::*member) {
+  return [member](const Self& self) {
+    return py::make_tuple((self.*member).triangle_a, (self.*member).triangle_b);
+  };
+}
+
 // Adds the class BodyDistance.
 void bindDistance(py::module& module) {
   using Self = PythonDistance;
-  const auto field = [](auto member) {
-    return [member](const PythonDistance& self) { return self.distance.*member; };
-  };
   py::class_<Self>(module, "BodyDistance", kDistanceText)
-      .def_property_readonly("body_a", field(&BodyDistance::body_a), "The lower id.")
-      .def_property_readonly("body_b", field(&BodyDistance::body_b), "The other id.")
+      .def_readonly("body_a", &Self::body_a, "The lower id.")
+      .def_readonly("body_b", &Self::body_b, "The other id.")
       .def_readonly("state", &Self::state, kStateText)
-      .def_property_readonly("low_m", field(&BodyDistance::low_m),
-                             "No two points are nearer; 0: nothing is known.")
-      .def_property_readonly("high_m", field(&BodyDistance::high_m),
-                             "point_a and point_b are at most so far apart; inf: there are none.")
-      .def_property_readonly(
-          "triangles",
-          [](const Self& self) {
-            return py::make_tuple(self.distance.witness.triangle_a,
-                                  self.distance.witness.triangle_b);
-          },
-          "Of the two points.")
-      .def_property_readonly(
-          "point_a", [](const Self& self) { return toTuple(self.distance.point_a); },
-          "On body_a, in the scene frame [m].")
-      .def_property_readonly(
-          "point_b", [](const Self& self) { return toTuple(self.distance.point_b); },
-          "On body_b, in the scene frame [m].")
-      .def_property_readonly("is_listed", field(&BodyDistance::is_listed),
-                             "Whether Result.pairs has all contacts of the two.")
-      .def_property_readonly("contact_count", field(&BodyDistance::contact_count),
-                             "How many it has of them.");
+      .def_readonly("low_m", &Self::low_m, "No two points are nearer; 0: nothing is known.")
+      .def_readonly("high_m", &Self::high_m,
+                    "point_a and point_b are at most so far apart; inf: there are none.")
+      .def_property_readonly("triangles", trianglesOf<Self>(&Self::witness), "Of the two points.")
+      .def_property_readonly("point_a", tupleOf<Self>(&Self::point_a),
+                             "On body_a, in the scene frame [m].")
+      .def_property_readonly("point_b", tupleOf<Self>(&Self::point_b),
+                             "On body_b, in the scene frame [m].")
+      .def_readonly("is_listed", &Self::is_listed,
+                    "Whether Result.pairs has all contacts of the two.")
+      .def_readonly("contact_count", &Self::contact_count, "How many it has of them.");
 }
 
 // Adds the class NearestPair.
@@ -284,30 +285,22 @@ void bindNearest(py::module& module) {
   using Self = PythonNearest;
   py::class_<Self>(module, "NearestPair", kNearestPairText)
       .def_property_readonly(
-          "body_a", [](const Self& self) { return self.nearest.pair.body_a; }, "The lower id.")
+          "body_a", [](const Self& self) { return self.pair.body_a; }, "The lower id.")
       .def_property_readonly(
-          "body_b", [](const Self& self) { return self.nearest.pair.body_b; }, "The other id.")
+          "body_b", [](const Self& self) { return self.pair.body_b; }, "The other id.")
       .def_property_readonly(
           "names", [](const Self& self) { return py::make_tuple(self.name_a, self.name_b); },
           "Of the two bodies.")
-      .def_property_readonly(
-          "triangles",
-          [](const Self& self) {
-            return py::make_tuple(self.nearest.pair.triangle_a, self.nearest.pair.triangle_b);
-          },
-          "The two triangles: of body_a, of body_b.")
-      .def_property_readonly(
-          "distance_m", [](const Self& self) { return self.nearest.distance_m; },
-          "Distance of the two bodies [m]; 0: they touch.")
-      .def_property_readonly(
-          "point_a", [](const Self& self) { return toTuple(self.nearest.point_a); },
-          "The nearest point on body_a, in the scene frame [m].")
-      .def_property_readonly(
-          "point_b", [](const Self& self) { return toTuple(self.nearest.point_b); },
-          "The nearest point on body_b, in the scene frame [m].")
-      .def_property_readonly(
-          "normal", [](const Self& self) { return toTuple(self.nearest.normal); },
-          "Unit vector from a to b, in the scene frame; zero if they touch.")
+      .def_property_readonly("triangles", trianglesOf<Self>(&Self::pair),
+                             "The two triangles: of body_a, of body_b.")
+      .def_readonly("distance_m", &Self::distance_m,
+                    "Distance of the two bodies [m]; 0: they touch.")
+      .def_property_readonly("point_a", tupleOf<Self>(&Self::point_a),
+                             "The nearest point on body_a, in the scene frame [m].")
+      .def_property_readonly("point_b", tupleOf<Self>(&Self::point_b),
+                             "The nearest point on body_b, in the scene frame [m].")
+      .def_property_readonly("normal", tupleOf<Self>(&Self::normal),
+                             "Unit vector from a to b, in the scene frame; zero if they touch.")
       .def("__repr__", &describeNearest);
 }
 

@@ -13,17 +13,15 @@
 namespace deformable_contact_monitor {
 
 // The bounds of the distance of two bodies, and the state that follows from them.
-struct PythonDistance {
+struct PythonDistance : BodyDistance {
   // Decides the state by the bodies' margins and the tolerance [m].
   PythonDistance(const BodyDistance& in_distance, const Scene& scene, float tolerance_m);
 
-  BodyDistance distance;
   std::string state;  // "none", "near", "contact", "unknown"
 };
 
 // The nearest triangles of two bodies, and the bodies' names.
-struct PythonNearest {
-  NearestPair nearest;
+struct PythonNearest : NearestPair {
   std::string name_a, name_b;
 };
 
