@@ -2,6 +2,7 @@
 #include "tools/bags/triangles_ahead.h"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 
 namespace deformable_contact_monitor {
