@@ -84,12 +84,11 @@ Triangle toTriangle(const RationalPoint& a, const RationalPoint& b, const Ration
 // Decides a query as two triangles: a vertex becomes a triangle with three equal corners, an edge
 // one with two.
 bool meetAsTriangles(const Query& q, bool vertex_face) {
-  const auto& [p0, p1, p2, p3] = q;
   const auto a = [&](const RationalPoint Trajectory::*state) {
-    return toTriangle(p0.*state, (vertex_face ? p0 : p1).*state, p0.*state);
+    return toTriangle(q[0].*state, q[vertex_face ? 0 : 1].*state, q[0].*state);
   };
   const auto b = [&](const RationalPoint Trajectory::*state) {
-    return toTriangle((vertex_face ? p1 : p2).*state, p2.*state, p3.*state);
+    return toTriangle(q[vertex_face ? 1 : 2].*state, q[2].*state, q[3].*state);
   };
   return sweptContact(a(&Trajectory::start), a(&Trajectory::end), b(&Trajectory::start),
                       b(&Trajectory::end));
