@@ -27,8 +27,7 @@ endif()
 
 add_library(headers_alone OBJECT EXCLUDE_FROM_ALL)
 if(DCM_PYTHON_ENABLED)
-  find_package(Python3 REQUIRED COMPONENTS Interpreter Development)
-  target_include_directories(headers_alone SYSTEM PRIVATE ${Python3_INCLUDE_DIRS})
+  target_include_directories(headers_alone SYSTEM PRIVATE ${DCM_PYTHON_HEADERS})
   set_target_properties(headers_alone PROPERTIES CXX_VISIBILITY_PRESET hidden)  # as pybind11 wants
 endif()
 set(targets headers_alone)
