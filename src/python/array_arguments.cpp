@@ -15,12 +15,22 @@ namespace {
 
 constexpr int kOldestVersion = 2;  // before it, no stride and no pointer meant other things
 
+// Returns an array's __cuda_array_interface__; null if it has none. Passes on what else goes wrong
+// there, such as torch's advice on tensors with gradients.
+py::object deviceInterface(py::handle array) {
+  try {
+    return array.attr("__cuda_array_interface__");
+  } catch (const py::error_already_set& error) {
+    if (!error.matches(PyExc_AttributeError)) throw;
+    return py::object();
+  }
+}
+
 // The __cuda_array_interface__ of an argument, with the names that error messages give.
 class Interface {
  public:
   // `argument` is what messages begin with.
-  Interface(py::handle array, std::string argument) : argument_(std::move(argument)) {
-    const py::object interface = array.attr("__cuda_array_interface__");
+  Interface(const py::object& interface, std::string argument) : argument_(std::move(argument)) {
     if (!py::isinstance<py::dict>(interface)) refuse("is no dict");
     fields_ = interface;
     if (as<int>("version", field("version")) < kOldestVersion) {
@@ -137,7 +147,8 @@ struct Argument {
     py::array array = py::array::ensure(value);
     if (array) return array;
     // numpy cannot read device memory, so the message names the function that can.
-    if (py::hasattr(value, "__cuda_array_interface__")) {
+    PyErr_Clear();
+    if (deviceInterface(value)) {
       refuse("is in a device's memory; set_device_vertices takes vertices from there");
     }
     refuse("is not an array");
@@ -203,12 +214,13 @@ void copyReal(const Argument& argument, py::handle value, const std::vector<Py_s
 // Checks the fields in the order in which they are most often wrong.
 DeviceArray toDeviceArray(py::handle vertices, std::optional<std::uintptr_t> stream,
                           const std::string& body) {
-  if (!py::hasattr(vertices, "__cuda_array_interface__")) {
+  const py::object fields = deviceInterface(vertices);
+  if (!fields) {
     throw std::invalid_argument(body +
                                 ": vertices is not in a device's memory (it has no "
                                 "__cuda_array_interface__); set_vertices takes it");
   }
-  const Interface interface(vertices, body + ": vertices");
+  const Interface interface(fields, body + ": vertices");
   const std::vector<std::int64_t> shape = interface.numbers("shape");
   if (shape.size() != 2 || shape[0] < 0 || shape[1] != 3) {
     interface.refuse("has shape " + interface.shown("shape") + ", must be (n, 3)");
@@ -222,13 +234,14 @@ DeviceArray toDeviceArray(py::handle vertices, std::optional<std::uintptr_t> str
 }
 
 py::array toHostArray(py::handle value, const std::string& name) {
-  if (!py::hasattr(value, "__cuda_array_interface__")) {
+  const py::object fields = deviceInterface(value);
+  if (!fields) {
     py::array array = py::array::ensure(value);
     if (array) return array;
     PyErr_Clear();
     throw std::invalid_argument(name + " must be an array");
   }
-  const Interface interface(value, name);
+  const Interface interface(fields, name);
   const std::vector<std::int64_t> shape = interface.numbers("shape");
   std::size_t count = 1;
   for (const std::int64_t size : shape) {
@@ -244,7 +257,12 @@ py::array toHostArray(py::handle value, const std::string& name) {
   const std::uintptr_t from = addressOf(interface, count);
   void* const stream = toStream(interface, std::nullopt);
   const auto bytes = static_cast<std::size_t>(array.nbytes());
-  if (bytes > 0) copyFromDevice(array.mutable_data(), toPointer<const void>(from), bytes, stream);
+  void* const to = array.mutable_data();
+  if (bytes > 0) {
+    // The stream may wait for work of other Python threads.
+    const py::gil_scoped_release others_run;
+    copyFromDevice(to, toPointer<const void>(from), bytes, stream);
+  }
   return array;
 }
 

@@ -69,9 +69,11 @@ class PythonBackend {
     }
   }
 
-  // Returns work(backend), during which the scene cannot change and other Python threads run.
+  // Returns work(backend), during which the scene cannot change and other Python threads run. Asks
+  // requireUnused() itself, because reading arguments may have let other threads run.
   template <class Work>
   auto& run(PythonScene* scene, const Work& work) {
+    requireUnused();
     const PythonScene::Looking looking(scene);
     // Ends with the global lock taken again, whatever the work throws.
     struct Working {

@@ -119,6 +119,16 @@ class WithoutADevice(unittest.TestCase):
         with self.assertRaises((ValueError, RuntimeError)):  # no such memory, or no CUDA
             StateChecker("cpu").check(scene_of_one(), [0], DeviceArray())
 
+    def test_other_errors_of_the_interface_are_passed_on(self):
+        class WithGradients:
+            @property
+            def __cuda_array_interface__(self):
+                raise RuntimeError("use detach()")
+        for call in (lambda: scene_of_one().set_device_vertices(0, WithGradients()),
+                     lambda: StateChecker("cpu").check(scene_of_one(), [0], WithGradients())):
+            with self.assertRaisesRegex(RuntimeError, "use detach"):
+                call()
+
     def test_an_array_is_kept_until_the_body_has_others(self):
         scene = scene_of_one()
         for replace in (lambda: scene.set_vertices(0, VERTICES),

@@ -13,7 +13,7 @@ import unittest
 
 import mesh_scenes
 import numpy
-from deformable_contact import Detector, Scene, read_mesh
+from deformable_contact import Detector, Scene, StateChecker, read_mesh
 
 TICKS = 20
 
@@ -99,6 +99,28 @@ class Threads(unittest.TestCase):
         scene.set_margin(0, 0)
         detector.reset()
         self.assertTrue(detector.detect(other_scene).complete)
+
+    def test_a_checker_that_is_taken_while_poses_are_read_is_refused(self):
+        scene, checker = long_scene(), StateChecker("cpu", threads=1)
+        poses = numpy.tile(numpy.eye(4), (1, 1, 1, 1))
+        many = numpy.tile(numpy.eye(4), (2000, 1, 1, 1))
+        other = threading.Thread(
+            target=lambda: checker.check(scene, [1], many, pairs=True, nearest=True, max_time_s=2))
+
+        class Late:
+            def __array__(self, *_arguments, **_options):
+                other.start()
+                while True:
+                    try:
+                        checker.reset()
+                        time.sleep(0.001)
+                    except RuntimeError:
+                        return poses
+
+        with self.assertRaisesRegex(RuntimeError, "in use by another thread"):
+            checker.check(scene, [1], Late())
+        other.join()
+        self.assertEqual(len(checker.check(scene, [1], poses)), 1)
 
     def test_a_refusal_leaves_both_usable(self):
         scene, detector = small_scene(numpy.random.default_rng(2)), Detector()
