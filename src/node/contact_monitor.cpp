@@ -131,9 +131,9 @@ void ContactMonitor::checkInputsAndMaster() {
 // The block is shown once the first meshes and transforms have had time to come. A disabled monitor
 // ignores its meshes, so it does not warn.
 void ContactMonitor::lookAtInputs() {
-  if (is_started_ && !diagnostics_.isEnabled()) return;
   const std::vector<InputStatus> inputs = inputStatuses();
   if (!std::exchange(is_started_, true)) showStart(inputs);
+  if (!diagnostics_.isEnabled()) return;
   for (const std::string& warning : input_warnings_.look(
            inputs, ros::Time::now(), ros::Time::isSimTime(), std::chrono::steady_clock::now())) {
     ROS_WARN_STREAM(warning << "; see config/docs/console.md#no-mesh-or-a-strange-one");
@@ -148,12 +148,12 @@ void ContactMonitor::showStart(const std::vector<InputStatus>& inputs) {
   if (ros::Time::isSimTime() && ros::Time::now().isZero()) {
     facts.missing.push_back("a time on /clock (use_sim_time is true)");
   }
-  std::string lack;
-  if (robot != nullptr) lack = missingTransforms(parameters_, *robot, buffer_);
-  if (robot == nullptr && parameters_.pair_classes.needRobot()) {
-    lack = "link meshes on " + private_node_.resolveName("robot_link_meshes");
+  for (const std::string& line : missingTransforms(parameters_, robot.get(), buffer_)) {
+    facts.missing.push_back(line);
   }
-  if (!lack.empty()) facts.missing.push_back(lack);
+  if (robot == nullptr && parameters_.pair_classes.needRobot()) {
+    facts.missing.push_back("link meshes on " + private_node_.resolveName("robot_link_meshes"));
+  }
   ROS_INFO_STREAM(describeStart(parameters_, facts));
 }
 

@@ -85,14 +85,25 @@ std::string describeMargins(const MonitorParameters& parameters, const RobotGeom
     for (const LinkGeometry& link : robot->links) {
       links.push_back(linkMarginM(parameters, link.link));
     }
+  } else if (parameters.pair_classes.needRobot()) {  // of links that are not there yet
+    links.push_back(parameters.margin_m);
+    for (const auto& [link, margin_m] : parameters.link_margin_m) links.push_back(margin_m);
   }
-  for (const ObjectParameters& object : parameters.objects) objects.push_back(object.margin_m);
+  for (const ObjectParameters& object : parameters.objects) {
+    objects.push_back(object.margin_m);
+    for (const PartParameters& part : object.parts) {
+      if (part.margin_m) objects.push_back(*part.margin_m);
+    }
+  }
   for (const RigidParameters& rigid : parameters.rigids) objects.push_back(rigid.margin_m);
-  std::string text = "links " + range(links) + ", objects " + range(objects);
+  std::string text;
+  if (!links.empty()) text = "links " + range(links);
+  if (!objects.empty()) text += (text.empty() ? "objects " : ", objects ") + range(objects);
   const auto is_zero = [](double margin_m) { return margin_m == 0; };
   if (std::all_of(links.begin(), links.end(), is_zero) &&
       std::all_of(objects.begin(), objects.end(), is_zero)) {
-    text += ": no distances, only what touches (set margin_m)";
+    text +=
+        std::string(text.empty() ? "" : ": ") + "no distances, only what touches (set margin_m)";
   }
   return text;
 }
@@ -138,21 +149,34 @@ std::string describeStart(const MonitorParameters& parameters, const StartFacts&
   return block;
 }
 
-std::string missingTransforms(const MonitorParameters& parameters, const RobotGeometry& robot,
-                              const tf2::BufferCore& transforms) {
-  std::vector<FrameAtStamp> frames;
-  for (const LinkGeometry& link : robot.links) {
-    frames.push_back({parameters.frameOf(link.link), ros::Time(), link.link});
+std::vector<std::string> missingTransforms(const MonitorParameters& parameters,
+                                           const RobotGeometry* robot,
+                                           const tf2::BufferCore& transforms) {
+  std::vector<std::string> lines;
+  const auto look = [&](const std::vector<FrameAtStamp>& frames, const std::string& what) {
+    std::size_t count = 0;
+    std::string first;
+    for (const PoseAnswer& answer :
+         TransformLookup(transforms, parameters.reference_frame).lookup(frames)) {
+      if (answer.outcome == PoseAnswer::Outcome::kFound) continue;
+      if (count++ == 0) first = answer.problem;
+    }
+    if (count == 0) return;
+    lines.push_back("TF of " + std::to_string(count) + " of " + counted(frames.size(), what) +
+                    ": " + first);
+  };
+  std::vector<FrameAtStamp> links, rigids;
+  if (robot != nullptr) {
+    for (const LinkGeometry& link : robot->links) {
+      links.push_back({parameters.frameOf(link.link), ros::Time(), link.link});
+    }
   }
-  std::size_t count = 0;
-  std::string first;
-  for (const PoseAnswer& answer :
-       TransformLookup(transforms, parameters.reference_frame).lookup(frames)) {
-    if (answer.outcome == PoseAnswer::Outcome::kFound) continue;
-    if (count++ == 0) first = answer.problem;
+  for (const RigidParameters& rigid : parameters.rigids) {
+    rigids.push_back({rigid.frame, ros::Time(), rigid.name});
   }
-  if (count == 0) return "";
-  return "TF of " + std::to_string(count) + " of " + counted(frames.size(), "link") + ": " + first;
+  look(links, "link");
+  look(rigids, "rigid object");
+  return lines;
 }
 
 }  // namespace deformable_contact_monitor

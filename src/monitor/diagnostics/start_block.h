@@ -29,9 +29,10 @@ std::string describeStart(const MonitorParameters& parameters, const StartFacts&
 // Returns what the block says of each robot: a line break, then the line.
 std::string describeRobots(const RobotGeometry& robot);
 
-// Returns a line about the links that TF does not connect to reference_frame, with the reason for
-// the first of them; empty: it connects all of them.
-std::string missingTransforms(const MonitorParameters& parameters, const RobotGeometry& robot,
-                              const tf2::BufferCore& transforms);
+// Returns a line about the links that TF does not connect to reference_frame, and one about the
+// rigid objects, each with the reason for the first of them. `robot` may be null.
+std::vector<std::string> missingTransforms(const MonitorParameters& parameters,
+                                           const RobotGeometry* robot,
+                                           const tf2::BufferCore& transforms);
 
 }  // namespace deformable_contact_monitor

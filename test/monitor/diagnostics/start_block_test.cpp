@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 namespace deformable_contact_monitor {
 namespace {
@@ -60,10 +61,13 @@ TEST(StartBlockTest, NamesWhatNobodyConfigured) {
   std::string block = describeStart(none, {nullptr, {}, "cpu", "", {}});
   for (const char* line :
        {"\n  robot    not there yet\n", "\n  object   none\n",
-        "\n  margins  links 0 m, objects 0 m: no distances, only what touches (set margin_m)\n",
+        "\n  margins  links 0 m: no distances, only what touches (set margin_m)\n",
         "\n  backend  CPU, as asked for\n"}) {
     EXPECT_NE(block.find(line), std::string::npos) << line << "in:\n" << block;
   }
+  none.link_margin_m = {{"hand", 0.5}};
+  block = describeStart(none, {nullptr, {}, "cpu", "", {}});
+  EXPECT_NE(block.find("\n  margins  links 0 to 0.5 m\n"), std::string::npos) << block;
   none.pair_classes.robot_deformable = false;
   block = describeStart(none, {nullptr, {}, "cpu", "", {}});
   EXPECT_NE(block.find("\n  robot    none is watched\n"), std::string::npos) << block;
@@ -73,10 +77,11 @@ TEST(StartBlockTest, TellsRangesOfMarginsAndRigidObjects) {
   MonitorParameters some = parameters();
   some.link_margin_m = {{"hand", 0.5}};
   some.objects[0].parts.resize(2);
+  some.objects[0].parts[1].margin_m = 2;
   some.rigids = {{"table", "table_top"}};
   const RobotGeometry robot = panda();
   const std::string block = describeStart(some, {&robot, {"/cloth"}, "cuda", "", {}});
-  for (const char* line : {"\n  margins  links 0.125 to 0.5 m, objects 0 to 0.125 m\n",
+  for (const char* line : {"\n  margins  links 0.125 to 0.5 m, objects 0 to 2 m\n",
                            "on /cloth, 2 parts\n", "'table': rigid, in TF frame 'table_top'\n"}) {
     EXPECT_NE(block.find(line), std::string::npos) << line << "in:\n" << block;
   }
@@ -92,14 +97,21 @@ TEST(StartBlockTest, MissingTransformsAreCountedAndExplained) {
     transform.transform.rotation.w = 1;
     buffer.setTransform(transform, "test");
   };
-  EXPECT_EQ(missingTransforms(parameters(), panda(), buffer),
-            "TF of 3 of 3 links: TF frame 'base' never seen");
+  const RobotGeometry robot = panda();
+  using Lines = std::vector<std::string>;
+  EXPECT_EQ(missingTransforms(parameters(), &robot, buffer),
+            Lines{"TF of 3 of 3 links: TF frame 'base' never seen"});
   connect("hand");
-  EXPECT_EQ(missingTransforms(parameters(), panda(), buffer),
-            "TF of 2 of 3 links: TF frame 'arm' never seen");
+  EXPECT_EQ(missingTransforms(parameters(), &robot, buffer),
+            Lines{"TF of 2 of 3 links: TF frame 'arm' never seen"});
   connect("arm");
   connect("foot");
-  EXPECT_EQ(missingTransforms(parameters(), panda(), buffer), "");
+  EXPECT_EQ(missingTransforms(parameters(), &robot, buffer), Lines());
+  MonitorParameters with_table = parameters();
+  with_table.rigids = {{"table", "table_top"}};
+  EXPECT_EQ(missingTransforms(with_table, nullptr, buffer),
+            Lines{"TF of 1 of 1 rigid object: TF frame 'table_top' never seen"});
+  EXPECT_EQ(missingTransforms(with_table, &robot, buffer).size(), 1U);
 }
 
 }  // namespace
