@@ -114,6 +114,12 @@ class OutsideTest(OutsideProject):
         include = {p.name for p in (self.prefix / "include").iterdir()}
         self.assertEqual(include, {PACKAGE})
 
+    @unittest.skipUnless(WITH_ROS, "this build is without ROS")
+    def test_pages_that_warnings_name_are_installed(self):
+        pages = self.prefix / "share" / PACKAGE / "config/docs"
+        self.assertTrue((pages / "console.md").is_file())
+        self.assertFalse((pages / "Doxyfile").exists())
+
     def test_names_and_versions_of_the_libraries(self):
         version = re.search(r"VERSION (\d+\.\d+)\.(\d+) ", (SOURCE / "CMakeLists.txt").read_text())
         for name in LIBRARIES:
