@@ -232,7 +232,8 @@ void bindStates(py::module& module) {
   py::class_<PythonStates>(module, "StateResults", "What StateChecker.check() found.")
       .def_readonly("touches", &PythonStates::touches, "(n,) bool: some bodies touch.")
       .def_readonly("free", &PythonStates::free,
-                    "(n,) bool: certainly, no bodies touch, however near they are, but for triangles with a vertex that "
+                    "(n,) bool: certainly, no bodies touch, however near they are, but for "
+                    "triangles with a vertex that "
                     "was not finite when it was set (NaN): they are left out, see rejected_parts.")
       .def_readonly("unknown", &PythonStates::unknown,
                     "(n,) bool: not decided (cut_off), or a pose is not finite, or takes vertices "

@@ -154,6 +154,7 @@ class HeldPart(unittest.TestCase):
         self.cloth.send(stamp, boxes_scene.REFERENCE_FRAME, self.mesh)
         wait_until(lambda: "finger: " in self.attach("cloth", ["finger"], RADIUS).message,
                    "a refusal without a transform")
+        self.setUp()  # lets go: before that mesh came, the finger took hold of the one before
 
         def is_known():  # a mesh does not wait for a transform that others waited for in vain
             self.send(CORNER_AT)
