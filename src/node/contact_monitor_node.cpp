@@ -72,6 +72,8 @@ void endSoonAfterShutdown() {
 
 int main(int argc, char** argv) {
   if (const std::optional<int> code = answer(argc, argv)) return *code;
+  // Otherwise a file or a pipe would get the lines of INFO only when the node ends.
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
   ros::init(argc, argv, "contact_monitor");
   const ros::NodeHandle node, private_node("~");  // outlive the try block: ROS logs with them only
   endSoonAfterShutdown();

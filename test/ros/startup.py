@@ -4,6 +4,7 @@ refuse to start and name everything that is wrong."""
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 
 import rospy
@@ -95,8 +96,10 @@ class Startup(unittest.TestCase):
         for parameter, value in {**GOOD, "reference_frame": "attic", "ignored_links": ["lost"],
                                  "objects": [{"name": "sheet", "topic": "/sheet"}]}.items():
             rospy.set_param(f"/first_start/{parameter}", value)
+        said = tempfile.TemporaryFile("w+")
+        self.addCleanup(said.close)
         node = subprocess.Popen([executable("contact_monitor"), "__name:=first_start"],
-                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                                stdout=said, stderr=subprocess.DEVNULL)
         self.addCleanup(node.wait, WAIT_S)
         self.addCleanup(node.terminate)
         block = console.wait("the block", lambda m: m.name == "/first_start" and "\n" in m.msg)
@@ -109,6 +112,8 @@ class Startup(unittest.TestCase):
         with console.condition:
             before = [m.msg for m in console.messages if m.name == "/first_start"]
         self.assertEqual(before[0], block.msg)
+        said.seek(0)  # a file has it at once, too
+        self.assertIn("\n".join(lines), said.read())
 
     def test_bad_parameters_are_refused_all_of_them(self):
         bad = {"tf_timeout_s": 7.5, "predicates": "sloppy", "max_contacts": -3,

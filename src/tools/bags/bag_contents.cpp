@@ -247,6 +247,16 @@ ros::Time BagContents::ended() const {
   return earliest;
 }
 
+bool BagContents::isAtEdge(const ros::Time& stamp) const {
+  constexpr double kLongestStartS = 1;
+  if (moving.empty() || meshes.empty() || !jumps.all().empty()) return false;
+  if (stamp < settled() && secondsBetween(stamp, meshes.front().stamp) <= kLongestStartS) {
+    return true;
+  }
+  return std::all_of(moving.begin(), moving.end(),
+                     [&stamp](const auto& frame) { return frame.second.last < stamp; });
+}
+
 // Fixed joints become static transforms. Frames of moving joints count as known while their joint
 // was recorded.
 void BagContents::addJointTransforms(const History<std::string>& urdfs,

@@ -118,6 +118,11 @@ struct BagContents {
   ros::Time settled() const;
   ros::Time ended() const;
 
+  // Returns whether a mesh of this stamp may lack transforms only because they were recorded later,
+  // or no longer. That is so before settled(), but at most in the first second of meshes, and after
+  // the newest of all transforms. It is never so in bags whose clock goes back.
+  bool isAtEdge(const ros::Time& stamp) const;
+
   // Adds the frames that joint states and the URDFs give and TF does not have. A link's frame is
   // `frame_prefix` and its name. Throws as JointTransforms does.
   void addJointTransforms(const History<std::string>& urdfs, const std::string& frame_prefix);

@@ -12,6 +12,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstdio>
 #include <exception>
 #include <mutex>
 #include <string>
@@ -192,6 +193,8 @@ class GuardNode {
 
 // Runs the node until ROS shuts down. Returns the exit code.
 int runGuard(int argc, char** argv) {
+  // Otherwise a file or a pipe would get the lines of INFO only when the node ends.
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
   ros::init(argc, argv, "contact_guard");
   const ros::NodeHandle node, private_node("~");  // outlive the try: without one, ROS logs nothing
   try {

@@ -68,9 +68,9 @@ class BodyWarnings {
 };
 
 // Runs all backends on a cycle, compares them, and writes the rows of the tables.
-void evaluateCycle(CycleReport* cycle, Scene* scene, Runs* runs,
+void evaluateCycle(CycleReport* cycle, Scene* scene, bool at_edge, Runs* runs,
                    std::vector<RunComparison>* compared, EvaluationTables* tables) {
-  for (auto& run : *runs) run->evaluate(cycle, scene);
+  for (auto& run : *runs) run->evaluate(cycle, scene, at_edge);
   // Each comparison is with the first run, so one flag a run is enough.
   std::vector<bool> differing(runs->size(), false);
   for (RunComparison& comparison : *compared) {
@@ -230,7 +230,8 @@ int evaluate(const EvaluateArguments& arguments) {
     if (!cycles.forgets().empty()) {
       for (auto& run : runs) run->forget(cycles.forgets(), cycle->header.stamp);
     }
-    evaluateCycle(cycle, &cycles.sceneOfStep(), &runs, &compared, &tables);
+    evaluateCycle(cycle, &cycles.sceneOfStep(), bags.contents.isAtEdge(cycle->header.stamp), &runs,
+                  &compared, &tables);
     warnings.look(*cycle);
   });
   tables.finish();

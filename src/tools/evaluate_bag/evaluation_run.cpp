@@ -72,7 +72,7 @@ EvaluationRun::EvaluationRun(std::string asked_for, std::unique_ptr<Detector> wi
       judge(std::move(expectations)) {}
 
 // All runs share the report, so what an earlier run left in it is cleared first.
-void EvaluationRun::evaluate(CycleReport* cycle, Scene* scene) {
+void EvaluationRun::evaluate(CycleReport* cycle, Scene* scene, bool at_edge) {
   cycle->options = options;
   cycle->backend = detector->backend();
   cycle->containment = nullptr;
@@ -92,7 +92,7 @@ void EvaluationRun::evaluate(CycleReport* cycle, Scene* scene) {
   tracker.update(*cycle);
   states = tracker.states(stamp, stamp);
   steps.takeEvents(&tracker);
-  judge.look(states);
+  judge.look(states, at_edge);
   unknown.look(*cycle, states);
   ++cycles;
   whole += isWhole(*cycle, *result);

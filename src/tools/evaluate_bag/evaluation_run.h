@@ -41,8 +41,8 @@ struct EvaluationRun {
                 std::shared_ptr<TilingCache> with_tilings = nullptr);
 
   // Finds the cycle's contacts, fills the report, and updates everything below. The report must be
-  // as BagCycles made it; `scene` is the report's.
-  void evaluate(CycleReport* cycle, Scene* scene);
+  // as BagCycles made it; `scene` is the report's. `at_edge`: see ExpectationJudge.
+  void evaluate(CycleReport* cycle, Scene* scene, bool at_edge = false);
 
   // Forgets all states, because of `reason`. The sums stay.
   void forget(const std::string& reason, const ros::Time& now);

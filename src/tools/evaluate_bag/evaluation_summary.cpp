@@ -349,6 +349,7 @@ std::string summaryJson(const EvaluationEnd& end) {
     json["expectations"].push_back(
         {{"text", verdict.text}, {"holds", verdict.failure.empty()}, {"failure", verdict.failure}});
   }
+  json["unjudged_cycles"] = end.runs->empty() ? 0 : (*end.runs)[0]->judge.unjudgedCycles();
   json["passed"] = isPassed(end);
   json["verdict"] = verdictText(end);
   json["machine"] = machineJson();
@@ -377,7 +378,14 @@ std::string summaryText(const EvaluationEnd& end) {
     text += (verdict.failure.empty() ? "holds: " : "FAILS: ") + verdict.text +
             (verdict.failure.empty() ? "" : " (" + verdict.failure + ")") + "\n";
   }
-  if (!end.runs->empty()) text += unknownLines(*(*end.runs)[0]);
+  if (!end.runs->empty()) {
+    const std::uint64_t unjudged = (*end.runs)[0]->judge.unjudgedCycles();
+    if (unjudged > 0) {
+      text += counted(unjudged, "cycle was", "cycles were") +
+              " not judged where UNKNOWN: the transforms of the bag begin later or end earlier\n";
+    }
+    text += unknownLines(*(*end.runs)[0]);
+  }
   const std::size_t by_joints = posesJson(*end.contents)["joint_states_frames"].size();
   if (by_joints > 0) {
     text += std::to_string(by_joints) + " frames that TF does not have stand where " +

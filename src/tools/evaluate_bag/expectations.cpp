@@ -134,14 +134,22 @@ ExpectationJudge::ExpectationJudge(std::vector<Expectation> expectations) {
 }
 
 // The first cycle's stamp is the zero of all times.
-void ExpectationJudge::look(const ContactStates& states) {
+void ExpectationJudge::look(const ContactStates& states, bool at_edge) {
   if (!started_) start_ = states.header.stamp;
   started_ = true;
   const double since_s = secondsBetween(states.header.stamp, start_);
+  bool is_judged = true;
   for (Record& record : records_) {
     const Expectation& e = record.expectation;
-    if (since_s >= e.from_s && since_s <= e.to_s) look(states, since_s, &record);
+    if (since_s < e.from_s || since_s > e.to_s) continue;
+    const ContactState* const state = at_edge ? find(states, e) : nullptr;
+    if (state != nullptr && state->state == ContactState::UNKNOWN) {
+      is_judged = false;
+    } else {
+      look(states, since_s, &record);
+    }
   }
+  unjudged_ += !is_judged;
 }
 
 // Counts a cycle for one expectation. `known` says whether the state proves anything.

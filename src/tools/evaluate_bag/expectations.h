@@ -56,15 +56,19 @@ void checkMargins(const std::function<double(const std::string&)>& marginOf,
 // - With a tolerance, a contact may have more pairs than were found, so fewer than min_pairs (if
 //   above 1) prove nothing either.
 // - keeps_m holds in a cycle if the two are certainly at least so far apart: NONE, or NEAR at such
-// a
-//   distance. Everything else breaks it, UNKNOWN too.
+//   a distance. Everything else breaks it, UNKNOWN too.
+// - A pair that is UNKNOWN in a cycle at an edge of the recording (BagContents::isAtEdge) is not
+//   judged in that cycle.
 class ExpectationJudge {
  public:
   explicit ExpectationJudge(std::vector<Expectation> expectations);
 
   // Takes the states after a cycle, in the order of stamps. Only pairs that the cycle checked
   // count.
-  void look(const ContactStates& states);
+  void look(const ContactStates& states, bool at_edge = false);
+
+  // Returns in how many cycles at an edge some expectation was not judged.
+  std::uint64_t unjudgedCycles() const { return unjudged_; }
 
   struct Verdict {
     std::string text;     // the expectation in words
@@ -92,6 +96,7 @@ class ExpectationJudge {
                              Record* record);
 
   std::vector<Record> records_;
+  std::uint64_t unjudged_ = 0;
   ros::Time start_;
   bool started_ = false;
 };

@@ -4,10 +4,11 @@ exit codes."""
 import copy
 import re
 
+import rospy
 from tf2_msgs.msg import TFMessage
 
 from evaluation_case import CONFIG, EvaluationCase, main, read_table
-from panda_bag import FRAMES, stamp_of
+from panda_bag import AWAY_FROM, FRAMES, stamp_of
 
 
 class Expectations(EvaluationCase):
@@ -76,6 +77,39 @@ objects: [{{name: tshirt, topic: /tshirt, parts: [
         self.assertIn("UNKNOWN", summary["expectations"][0]["failure"])
         self.assertLess(summary["runs"][0]["complete_cycles"], FRAMES)
         self.assertIn("panda_hand: TF", read_table(self.path("out/frames.csv"))[-1]["skipped"])
+
+    def test_a_recording_is_judged_where_it_holds_transforms(self):
+        def known(first, last):
+            return [e for e in self.events
+                    if e[1] != "/tf" or stamp_of(first - 0.5) < e[0] < stamp_of(last + 0.5)]
+
+        def judged(events, text, code):
+            summary = self.evaluate(self.bag("edges.bag", events), "--expect",
+                                    self.text("e.yaml", text), code=code)
+            return summary["unjudged_cycles"], [e["failure"] for e in summary["expectations"]]
+
+        away_s = (stamp_of(AWAY_FROM) - stamp_of(0)).to_sec()
+        text = f"""
+- {{link: panda_hand, object: tshirt, touches: sometime, to_s: {away_s - 0.001}}}
+- {{link: panda_hand, object: tshirt, touches: never, from_s: {away_s - 0.001}}}
+"""
+        self.assertEqual(judged(known(2, FRAMES - 3), text, 0), (4, ["", ""]))
+        # A link whose transforms end before those of the others is judged.
+        lost = [e if e[1] != "/tf" or e[0] < stamp_of(AWAY_FROM) else
+                (e[0], e[1], TFMessage([x for x in e[2].transforms
+                                        if x.child_frame_id != "panda_hand"]))
+                for e in known(2, FRAMES - 3)]
+        unjudged, failures = judged(lost, text, 1)
+        self.assertEqual((unjudged, failures[0]), (4, ""))
+        self.assertIn("UNKNOWN", failures[1])
+        # A mesh that came 1.5 s earlier moves the two first frames beyond the edge.
+        early = copy.deepcopy(next(e[2] for e in self.events if e[1] == "/tshirt"))
+        early.header.stamp -= rospy.Duration(1.5)
+        unjudged, failures = judged([(early.header.stamp, "/tshirt", early)] + known(2, FRAMES - 3),
+                                    "- {link: panda_hand, object: tshirt, touches: never, "
+                                    "to_s: 1.51}", 1)
+        self.assertEqual(unjudged, 1)
+        self.assertIn("at 1.500 s: UNKNOWN", failures[0])
 
     def failures(self, text, *arguments):
         """Of expectations, by the first cycle's words; and what was said on standard error."""
