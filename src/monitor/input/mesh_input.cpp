@@ -171,7 +171,9 @@ bool MeshInput::isOutOfOrder(const ros::Time& stamp, const ros::Time& now) const
 }
 
 void MeshInput::checkHeader(const DeformableMesh& message) const {
-  if (!isMeshOf(object_, message)) rejectMesh("the mesh is of object '" + message.object + "'");
+  if (!isMeshOf(object_, message)) {
+    rejectMesh("the mesh is of object '" + message.object + "', expected is '" + object_ + "'");
+  }
   if (message.header.stamp.isZero()) rejectMesh("header.stamp is zero");
   if (message.header.frame_id.empty()) rejectMesh("header.frame_id is empty");
 }
