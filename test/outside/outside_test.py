@@ -57,6 +57,14 @@ class OutsideProject(unittest.TestCase):
         cls.folder = Path(tempfile.mkdtemp(prefix="outside_test_"))
         cls.addClassCleanup(shutil.rmtree, str(cls.folder))
 
+    @classmethod
+    def install(cls, build, name):
+        """Installs a build within the folder, and returns where. catkin installs some files into the
+        prefix that was configured, whatever --prefix says, so DESTDIR keeps them from there."""
+        run(cached("CMAKE_COMMAND"), "--install", build, "--prefix", "/" + name,
+            env={**os.environ, "DESTDIR": str(cls.folder)})
+        return cls.folder / name
+
     def build(self, name, library_from, *options):
         """Builds the outside project with this tree's tools, and runs what it made."""
         build = self.folder / name
@@ -82,8 +90,7 @@ class OutsideTest(OutsideProject):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.prefix = cls.folder / "installed"
-        run(cached("CMAKE_COMMAND"), "--install", BUILD, "--prefix", cls.prefix)
+        cls.prefix = cls.install(BUILD, "installed")
 
     def find_package(self, name, prefix, *options):
         return self.build(name, "package", "-DCMAKE_PREFIX_PATH=%s" % prefix,
@@ -167,7 +174,7 @@ class SubprojectTest(OutsideProject):
                           Path(made["file"]).parents)
         self.assertFalse([c for c in ours if "/test/" in c["file"] or "/tools/" in c["file"]])
         self.assertIn("CMAKE_BUILD_TYPE:STRING=\n", (build / "CMakeCache.txt").read_text())
-        run(cached("CMAKE_COMMAND"), "--install", build, "--prefix", self.folder / "nothing")
+        self.install(build, "nothing")
         self.assertFalse((self.folder / "nothing").exists())
 
 
