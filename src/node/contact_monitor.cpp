@@ -352,7 +352,7 @@ std::shared_ptr<const HeldPart> ContactMonitor::findHeld(const AttachObject::Req
   const double age_s = secondsBetween(ros::Time::now(), mesh->stamp());
   if (age_s > parameters_.max_mesh_age_s) {
     throw std::invalid_argument(request.object + ": its newest mesh is " + std::to_string(age_s) +
-                                " s old, and max_mesh_age_s less");
+                                " s old, more than max_mesh_age_s");
   }
   const HoldQuestion question{request.object, *mesh, request.links, request.radius,
                               requests_.attached()};

@@ -15,6 +15,7 @@ std::string describePublishers(const InputStatus& input) {
   std::string text = " on " + input.topic + ", on which ";
   if (!input.type) return text + (input.publishers == 0 ? "nobody publishes" : "no type is known");
   if (*input.type != wanted) return text + *input.type + " is published, and not " + wanted;
+  if (input.publishers == 0) return text + "no publisher of " + wanted + " is connected";
   return text + std::to_string(input.publishers) + " publisher(s) of " + wanted + " are connected";
 }
 

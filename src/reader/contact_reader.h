@@ -5,6 +5,10 @@
 // package behaves alike; one table of test cases checks both.
 #pragma once
 
+#if __cplusplus < 201703L
+#error "deformable_contact_monitor needs C++17: set(CMAKE_CXX_STANDARD 17)"
+#endif
+
 #include <deformable_contact_monitor/ContactState.h>
 #include <deformable_contact_monitor/ContactStates.h>
 #include <geometry_msgs/Point32.h>
@@ -12,10 +16,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -59,7 +65,9 @@ struct NearestAnswer {
   // [m]: the nearest points of the two, or one point in the contact, twice.
   bool has_points = false;
   geometry_msgs::Point32 point, other_point;
-  geometry_msgs::Point32 normal;  // unit vector from `body` to `other`; zero: not known
+  // Unit vector from `body` to `other`. In CONTACT it is zero without the monitor's
+  // contact_geometry; with it, it is that of the deepest pair, and may turn round between cycles.
+  geometry_msgs::Point32 normal;
 
   operator double() const { return distance_m; }  // as nearest() returned up to version 0.2
 };
@@ -196,6 +204,8 @@ class ContactReader {
   }
 
  private:
+  static constexpr std::size_t kMostNames = 8;
+
   // Returns whether the name is that of the body or of a part of it.
   static bool isOf(const std::string& name, const std::string& body) {
     return name.compare(0, body.size(), body) == 0 &&
@@ -288,9 +298,19 @@ class ContactReader {
     return nearest;
   }
 
-  // Returns what is said of a body without states.
-  static std::string missing(const std::string& body) {
-    return body == "*" ? "no pair is monitored" : body + " is in no state";
+  // Returns what is said of a body without states. Names the first bodies that have some, because
+  // most such names are misspelled.
+  std::string missing(const std::string& body) const {
+    if (body == "*") return "no pair is monitored";
+    std::set<std::string> names;
+    for (const ContactState& state : newest_.states) names.insert({state.body_a, state.body_b});
+    std::string listed;
+    std::size_t count = 0;
+    for (const std::string& name : names) {
+      if (++count > kMostNames) break;
+      listed += (count == 1 ? "; there are " : ", ") + name;
+    }
+    return body + " is in no state" + listed + (names.size() > kMostNames ? ", ..." : "");
   }
 
   // Returns why a known state forbids its bodies to move; empty if it does not.

@@ -1,6 +1,7 @@
 // Subscribes to a monitor's ~contact_states, and asks a ContactReader at the present ROS time.
 #pragma once
 
+#include <ros/console.h>
 #include <ros/names.h>
 #include <ros/node_handle.h>
 #include <ros/param.h>
@@ -8,6 +9,7 @@
 #include <ros/time.h>
 #include <ros/transport_hints.h>
 
+#include <cmath>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -22,10 +24,12 @@ namespace deformable_contact_monitor {
 // watch the clock as well, or obey contact_guard, which does.
 class ContactSubscriber {
  public:
-  // Subscribes to `topic`, such as "contact_monitor/contact_states".
+  // Subscribes to `topic`, such as "contact_monitor/contact_states". When the first states come, it
+  // asks the parameter server for the monitor's margins, and warns if they are below clearance_m.
   ContactSubscriber(ros::NodeHandle node, const std::string& topic,
                     const ReaderRules& rules = ReaderRules())
-      : reader_(rules),
+      : clearance_m_(rules.clearance_m),
+        reader_(rules),
         monitor_(ros::names::parentNamespace(node.resolveName(topic))),
         subscriber_(node.subscribe(topic, 1, &ContactSubscriber::store, this,
                                    ros::TransportHints().tcpNoDelay())) {}
@@ -57,9 +61,29 @@ class ContactSubscriber {
   }
 
  private:
+  // Takes a message. The first one with states also tells the pairs, so it starts the check below.
   void store(const ContactStates& states) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    reader_.store(states, ros::Time::now());
+    bool is_first = false;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      reader_.store(states, ros::Time::now());
+      is_first = !margins_checked_ && !states.states.empty();
+      margins_checked_ = margins_checked_ || is_first;
+    }
+    // A topic in the root has been remapped, and no monitor has the root's parameters.
+    if (is_first && std::isfinite(clearance_m_) && monitor_ != "/") checkMargins(states);
+  }
+
+  // Warns where NONE, up to the margin, lets a body move that is nearer than clearance_m.
+  void checkMargins(const ContactStates& states) const {
+    const std::optional<MonitorMargins> margins = readMargins();
+    if (!margins) return;
+    const std::string pairs =
+        pairsBelow(clearance_m_, *margins, states, [](const ContactState&) { return true; });
+    if (pairs.empty()) return;
+    ROS_WARN_STREAM("the monitor's margin_m of "
+                    << pairs << ", is below clearance_m (" << clearance_m_
+                    << " m): beyond it no distance is known, and mayMove() says yes");
   }
 
   // Asks the master without mutex_, because that may take long.
@@ -74,8 +98,10 @@ class ContactSubscriber {
     return margins_;
   }
 
-  mutable std::mutex mutex_;  // guards reader_
+  const double clearance_m_;
+  mutable std::mutex mutex_;  // guards what follows
   ContactReader reader_;
+  bool margins_checked_ = false;
   const std::string monitor_;         // its private namespace
   mutable std::mutex margins_mutex_;  // guards what follows
   mutable ros::SteadyTime margins_read_;

@@ -1,11 +1,18 @@
 // The margins of a running monitor, from its parameters. ~contact_states does not say them.
 #pragma once
 
+#if __cplusplus < 201703L
+#error "deformable_contact_monitor needs C++17: set(CMAKE_CXX_STANDARD 17)"
+#endif
+
 #include <deformable_contact_monitor/ContactState.h>
+#include <deformable_contact_monitor/ContactStates.h>
 #include <xmlrpcpp/XmlRpcValue.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <map>
+#include <sstream>
 #include <string>
 
 namespace deformable_contact_monitor {
@@ -84,6 +91,25 @@ inline MonitorMargins marginsOf(XmlRpc::XmlRpcValue parameters) {
     }
   }
   return margins;
+}
+
+// Returns which pairs have a margin below a distance, in words: "2 pair(s), such as hand and cloth
+// (0.05 m)"; empty: none. Leaves out pairs that are ALLOWED, or for which `counts` returns false.
+// Compares in float32, as the monitor keeps margins.
+template <typename Counts>
+std::string pairsBelow(double distance_m, const MonitorMargins& margins,
+                       const ContactStates& states, const Counts& counts) {
+  std::size_t count = 0;
+  std::ostringstream first;
+  for (const ContactState& state : states.states) {
+    const double margin_m = margins.of(state);
+    if (state.state == ContactState::ALLOWED || !counts(state) ||
+        static_cast<float>(margin_m) >= static_cast<float>(distance_m)) {
+      continue;
+    }
+    if (++count == 1) first << state.body_a << " and " << state.body_b << " (" << margin_m << " m)";
+  }
+  return count == 0 ? "" : std::to_string(count) + " pair(s), such as " + first.str();
 }
 
 }  // namespace deformable_contact_monitor

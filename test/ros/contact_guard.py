@@ -1,17 +1,19 @@
 #!/usr/bin/env python3
 """Moves a Panda towards a cloth, as far and as fast as contact_guard lets it, and away again."""
 import re
+import subprocess
 import sys
 import unittest
 
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
+from rosgraph_msgs.msg import Log as ConsoleLine
 from std_srvs.srv import Trigger
 
 from deformable_contact_monitor.msg import ContactStates
 from guarded_panda import LOWERED_M, Arm, Guard, Programs, until_free
-from monitor_test_support import PACKAGE, ContactState, Log, wait_until
+from monitor_test_support import PACKAGE, WAIT_S, ContactState, Log, executable, wait_until
 
 
 def states_in(logged, since):
@@ -120,6 +122,16 @@ class ContactGuard(unittest.TestCase):
         self.arm.direction, self.arm.turned = 0, 0.0
         self.programs.start()
         until_free(self.at)
+
+    def test_the_console_says_why_it_stops_from_the_start_on(self):
+        console = Log("/rosout", ConsoleLine)
+        rospy.set_param("/misspelt/links", ["panda_hnad"])
+        guard = subprocess.Popen([executable("contact_guard"), "__name:=misspelt"])
+        self.addCleanup(guard.wait, WAIT_S)
+        self.addCleanup(guard.terminate)
+        stop = console.wait("the reason", lambda m: m.name == "/misspelt" and "no state" in m.msg)
+        self.assertEqual(stop.level, ConsoleLine.WARN)
+        self.assertRegex(stop.msg, "^stop: panda_hnad is in no state; there are cloth, panda_")
 
     def test_stops_while_there_is_no_monitor(self):
         self.check_killed("monitor", "no states came")

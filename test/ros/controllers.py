@@ -59,7 +59,6 @@ class Controllers(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        rospy.set_param("/contact_monitor", {"margin_m": 0.0625, "link_margin_m": {"panda_hand": 0.125}})
         cls.monitor = Monitor()
         cls.log = Log("/rosout", RosLog)
         cls.folder = pathlib.Path(tempfile.mkdtemp())
@@ -68,8 +67,13 @@ class Controllers(unittest.TestCase):
     def check(self, command):
         """The program says what is so, whatever happens."""
         self.monitor.state.state, self.monitor.silent = ContactState.NONE, False
+        rospy.set_param("/contact_monitor/link_margin_m/panda_hand", 0.03125)
+        rospy.set_param("/contact_monitor/margin_m", 0.03125)
         program = subprocess.Popen(command)
         try:
+            self.says("the monitor's margin_m of 1 pair(s), such as panda_hand and cloth (0.03125 m), "
+                      "is below clearance_m (0.05 m)")
+            rospy.set_param("/contact_monitor/link_margin_m/panda_hand", 0.125)
             self.says("panda_hand may move: beyond the margin of 0.125 m")
             self.monitor.state.state = ContactState.CONTACT
             self.says("panda_hand and cloth: CONTACT")

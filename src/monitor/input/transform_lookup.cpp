@@ -196,7 +196,9 @@ PoseAnswer TransformLookup::explain(const FrameAtStamp& question) const {
   const bool late = answer.available < question.stamp;
   answer.outcome = late ? PoseAnswer::Outcome::kLate : PoseAnswer::Outcome::kPast;
   answer.problem = path + (late ? " is late" : " no longer reaches back") + ": wanted " +
-                   shown(question.stamp) + ", newest available " + shown(answer.available);
+                   shown(question.stamp) +
+                   (late ? ", newest available " : ", and all available are newer, up to ") +
+                   shown(answer.available);
   return answer;
 }
 

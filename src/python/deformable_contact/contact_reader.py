@@ -9,6 +9,7 @@ import time
 
 NONE, NEAR, CONTACT, ALLOWED, UNKNOWN, PASSED = range(6)
 
+_MOST_NAMES = 8
 CLOCK_SLACK_S = 0.1
 """ROS time may differ by so much between this process and the monitor's: states stamped farther
 ahead are not known."""
@@ -39,7 +40,9 @@ class NearestAnswer(float):
     has_points: whether the points are known, which they are of NEAR and CONTACT.
     point, other_point: (x, y, z) in the frame of the message [m]: the nearest points of the two, or
         one point in the contact, twice.
-    normal: unit vector (x, y, z) from `body` to `other`; zero: not known.
+    normal: unit vector (x, y, z) from `body` to `other`. In CONTACT it is zero without the
+        monitor's contact_geometry; with it, it is that of the deepest pair, and may turn round
+        between cycles.
     """
 
     def __new__(cls, distance_m, because="", state=None, asked="*"):
@@ -186,7 +189,7 @@ class ContactReader:
                 return MoveAnswer("%s and %s: %s" % (state.body_a, state.body_b, because))
         if states or self.unlisted_may_move:
             return MoveAnswer("")
-        return MoveAnswer(_missing(body))
+        return MoveAnswer(_missing(body, self.newest.states))
 
     def nearest(self, body, now):
         """A NearestAnswer of the nearest of the body's pairs, by certain_distance(); of several at
@@ -243,7 +246,7 @@ class ContactReader:
                 return "%s and %s: %s" % (state.body_a, state.body_b, because)
         if because or states or self.unlisted_may_move:
             return because
-        return _missing(body)
+        return _missing(body, self.newest.states)
 
     def _states_of(self, body):
         return [state for state in self.newest.states
@@ -296,6 +299,7 @@ class ContactReader:
 
 class ContactSubscriber:
     """A ContactReader that subscribes ~contact_states of a monitor and asks at the present ROS time.
+    It warns if the monitor's margins are below clearance_m, when the first states come.
     `topic`: such as "contact_monitor/contact_states"; `rules`: ContactReader's arguments. Threads may
     call every function at any time. ROS time that stands still lets nothing grow old here: a program
     that moves a robot in real time watches that, too, or heeds contact_guard, which does."""
@@ -306,6 +310,7 @@ class ContactSubscriber:
 
         self._monitor = rospy.resolve_name(topic).rpartition("/")[0]  # its private namespace
         self._margins, self._margins_read_s = None, -math.inf
+        self._margins_checked = False
         self._now = rospy.Time.now
         self._lock = threading.Lock()
         self._reader = ContactReader(**rules)
@@ -346,15 +351,42 @@ class ContactSubscriber:
     def _store(self, states):
         with self._lock:
             self._reader.store(states, self._now())
+        if states.states and not self._margins_checked:
+            self._margins_checked = True
+            self._check_margins(states)
+
+    def _check_margins(self, states):
+        """Warns where NONE, up to the margin, lets a body move that is nearer than clearance_m."""
+        import rospy
+
+        clearance_m = self._reader.clearance_m
+        asks = math.isfinite(clearance_m) and self._monitor  # no monitor has the root's parameters
+        margins = self._read_margins() if asks else None
+        if margins is None:
+            return
+        below = [(state, margin_m) for state, margin_m in
+                 ((state, max(_margin_of(margins, state.body_a),
+                              _margin_of(margins, state.body_b))) for state in states.states)
+                 if state.state != ALLOWED and margin_m < clearance_m]
+        if below:
+            state, margin_m = below[0]
+            rospy.logwarn("the monitor's margin_m of %d pair(s), such as %s and %s (%g m), is below "
+                          "clearance_m (%g m): beyond it no distance is known, and may_move() says "
+                          "yes", len(below), state.body_a, state.body_b, margin_m, clearance_m)
 
 
 def _xyz(point, sign=1.0):
     return sign * point.x, sign * point.y, sign * point.z
 
 
-def _missing(body):
-    """What is said of a body without states."""
-    return "no pair is monitored" if body == "*" else body + " is in no state"
+def _missing(body, states):
+    """What is said of a body without states. Names the first bodies that have some, because most
+    such names are misspelled."""
+    if body == "*":
+        return "no pair is monitored"
+    names = sorted({name for state in states for name in (state.body_a, state.body_b)})
+    listed = "; there are " + ", ".join(names[:_MOST_NAMES]) if names else ""
+    return body + " is in no state" + listed + (", ..." if len(names) > _MOST_NAMES else "")
 
 
 def _seconds(a, b):

@@ -10,6 +10,7 @@
 #include <std_msgs/Float64.h>
 #include <std_srvs/Trigger.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
@@ -111,10 +112,28 @@ class GuardNode {
     std_msgs::Bool warning;
     warning.data = output.warn;
     warning_publisher_.publish(warning);
-    if (turned && output.stop) ROS_WARN_STREAM("stop: " << output.because);
-    if (turned && !output.stop) ROS_INFO("no stop any more");
+    tell(output);
     // A distance that wavers around warn_distance_m must not fill the log.
     if (warned && !output.near.empty()) ROS_WARN_STREAM_THROTTLE(1, "near: " << output.near);
+  }
+
+  // Logs a stop that begins, ends or goes on for another reason, at most one line a second, so that
+  // an object that trembles at stop_distance_m does not fill the log. Waits a second after the
+  // start, because the first states need some time.
+  void tell(const GuardOutput& output) {
+    std::string reason = output.stop ? output.because : "";
+    reason.erase(std::remove_if(reason.begin(), reason.end(),  // numbers always change
+                                [](char c) { return (c >= '0' && c <= '9') || c == '.'; }),
+                 reason.end());
+    const SteadyTime now = steadyNow();
+    if (reason == told_ || now - told_at_ < std::chrono::seconds(1)) return;
+    told_ = std::move(reason);
+    told_at_ = now;
+    if (output.stop) {
+      ROS_WARN_STREAM("stop: " << output.because);
+    } else {
+      ROS_INFO("no stop any more");
+    }
   }
 
   // Takes a message in the spinner's thread, and wakes run(). The first message that lists a pair
@@ -175,6 +194,9 @@ class GuardNode {
   }
 
   const GuardParameters parameters_;
+
+  std::string told_;  // the reason of the stop that was logged last; empty: no stop
+  SteadyTime told_at_ = steadyNow();
 
   std::mutex mutex_;  // guards what follows
   std::condition_variable news_;

@@ -81,28 +81,16 @@ bool counts(const GuardParameters& parameters, const ContactState& state) {
          });
 }
 
-// Compares in float32, because the monitor keeps margins as float32.
 std::string tooSmallMargins(const XmlRpc::XmlRpcValue& monitor, const ContactStates& states,
                             const GuardParameters& parameters) {
-  const MonitorMargins margins = marginsOf(monitor);
   const Reach reach = reachOf(parameters);
-  std::string first;
-  std::size_t count = 0;
-  for (const ContactState& state : states.states) {
-    const double margin_m = margins.of(state);
-    if (state.state == ContactState::ALLOWED || !counts(parameters, state) ||
-        static_cast<float>(margin_m) >= static_cast<float>(reach.distance_m)) {
-      continue;
-    }
-    if (++count > 1) continue;
-    std::ostringstream text;
-    text << state.body_a << " and " << state.body_b << " (" << margin_m << " m)";
-    first = text.str();
-  }
-  if (count == 0) return "";
+  const std::string pairs =
+      pairsBelow(reach.distance_m, marginsOf(monitor), states,
+                 [&parameters](const ContactState& state) { return counts(parameters, state); });
+  if (pairs.empty()) return "";
   std::ostringstream text;
-  text << "the monitor's margin_m of " << count << " pair(s), such as " << first << ", is below "
-       << reach.name << " (" << reach.distance_m << " m): " << reach.without;
+  text << "the monitor's margin_m of " << pairs << ", is below " << reach.name << " ("
+       << reach.distance_m << " m): " << reach.without;
   return text.str();
 }
 

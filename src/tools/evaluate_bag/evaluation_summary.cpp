@@ -270,7 +270,8 @@ std::string unknownLines(const EvaluationRun& run) {
             (reason.cycles == 1 ? " cycle: " : " cycles: ") + oneLine(reason.text) + "\n";
   }
   if (count <= kShownReasons) return text;
-  return text + "and " + std::to_string(count - kShownReasons) + " more reasons in summary.json\n";
+  return text + "and " + counted(count - kShownReasons, "more reason", "more reasons") +
+         " in summary.json\n";
 }
 
 // Returns the line about a run's time intervals.

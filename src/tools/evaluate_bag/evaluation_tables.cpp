@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "monitor/time_difference.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/common/formatted.h"
 #include "tools/common/reports.h"
@@ -57,7 +58,7 @@ EvaluationTables::EvaluationTables(const std::string& folder, bool with_pairs, b
       links_(folder + "/links.csv"),
       events_(folder + "/events.csv"),
       distances_(folder + "/distances.csv") {
-  links_.line("run,body_a,body_b,state,from,to,cycles,least_pairs,most_pairs");
+  links_.line("run,body_a,body_b,state,from,to,cycles,least_pairs,most_pairs,from_s,to_s");
   events_.line("run,stamp,body_a,body_b,type,pairs,from,first_low,reason");
   distances_.line(
       "cycle,stamp,run,body_a,body_b,state,distance,distance_low,ax,ay,az,bx,by,bz,nx,ny,nz");
@@ -72,7 +73,10 @@ EvaluationTables::EvaluationTables(const std::string& folder, bool with_pairs, b
 
 void EvaluationTables::add(const CycleReport& cycle, const Runs& runs,
                            const std::vector<bool>& differing) {
-  if (!titled_) writeFrameTitle(runs, cycle.motion == Motion::kSwept);
+  if (!titled_) {
+    start_ = cycle.header.stamp;
+    writeFrameTitle(runs, cycle.motion == Motion::kSwept);
+  }
   titled_ = true;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     addFrame(cycle, *runs[i], differing[i]);
@@ -159,7 +163,12 @@ void EvaluationTables::addLinks(std::size_t number, const EvaluationRun& run) {
 void EvaluationTables::writeLink(const StretchKey& key, const Stretch& stretch) {
   links_.line(csvRow(runs_[key.first], key.second.first, key.second.second,
                      kStateNames[stretch.state], stampText(stretch.from), stampText(stretch.to),
-                     stretch.cycles, stretch.least, stretch.most));
+                     stretch.cycles, stretch.least, stretch.most, sinceStart(stretch.from),
+                     sinceStart(stretch.to)));
+}
+
+std::string EvaluationTables::sinceStart(const ros::Time& time) const {
+  return formatted("%.3f", secondsBetween(time, start_));
 }
 
 // The distance of a pair that touches is 0, whatever its depth is. An UNKNOWN pair has no numbers,

@@ -49,9 +49,12 @@ class EvaluationTables {
   // swept motion.
   void addFrame(const CycleReport& cycle, const EvaluationRun& run, bool differs);
   void writeFrameTitle(const Runs& runs, bool swept);
-  // links.csv: a row for each sequence of cycles in which a pair of bodies kept one state.
+  // links.csv: a row for each sequence of cycles in which a pair of bodies kept one state. `from_s`
+  // and `to_s` count from the first cycle on, as the times of expectations do.
   void addLinks(std::size_t number, const EvaluationRun& run);
   void writeLink(const StretchKey& key, const Stretch& stretch);
+  // Returns the time after the first cycle [s].
+  std::string sinceStart(const ros::Time& time) const;
   // events.csv: a row for each event of each run, in the order of cycles. For PASSED, `from` is the
   // beginning of the time interval.
   void addEvents(const CycleReport& cycle, const EvaluationRun& run);
@@ -68,6 +71,7 @@ class EvaluationTables {
   std::optional<TableFile> pairs_, swept_pairs_;
   std::vector<std::string> stages_;  // of the title of frames.csv
   bool titled_ = false;
+  ros::Time start_;                // stamp of the first cycle
   std::vector<std::string> runs_;  // their names
   std::map<StretchKey, Stretch> open_;
 };

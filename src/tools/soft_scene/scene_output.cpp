@@ -5,6 +5,8 @@
 #include <std_msgs/String.h>
 #include <visualization_msgs/Marker.h>
 
+#include <utility>
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -78,8 +80,11 @@ void SceneOutput::send(const MeshFrame& frame, const ros::Time& stamp) {
   message.object = object_.name;
   message.topology_id = frame.topology_id;
   message.vertices = frame.mesh.vertices;
-  // Triangles are due if the next message would be too late for them, or if the clock went back.
-  const bool due = triangles_sent_.isZero() || stamp < triangles_sent_ ||
+  // Triangles are due for a new subscriber, if the next message would be too late for them, or if
+  // the clock went back.
+  const auto subscribers = bag_ ? 0 : publishers_[topic_].getNumSubscribers();
+  const bool is_new = subscribers > std::exchange(subscribers_, subscribers);
+  const bool due = is_new || triangles_sent_.isZero() || stamp < triangles_sent_ ||
                    stamp + period_ > triangles_sent_ + ros::Duration(1);
   if (due || frame.topology_id != topology_id_) {
     message.triangles = frame.mesh.triangles;

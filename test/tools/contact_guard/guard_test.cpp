@@ -126,7 +126,7 @@ TEST(GuardTest, requiredNamesMustBeThere) {
   p.links = {"hand", "arm"};
   p.required_bodies = {"cable"};
   Watch watch(p);
-  expectStop(watch.hear(none("hand", "cloth")), "arm is in no state");
+  expectStop(watch.hear(none("hand", "cloth")), "arm is in no state; there are cloth, hand");
   expectStop(watch.hear({none("hand", "cloth"), none("arm", "cloth")}),
              "required cable is in no state");
   expectStop(watch.hear({none("hand", "cloth"), none("arm", "cloth"), none("base", "cable")}),

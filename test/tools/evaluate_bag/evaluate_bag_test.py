@@ -134,6 +134,10 @@ class EvaluateBag(EvaluationCase):
             if touching:
                 self.assertEqual(float(contact[0]["from"]), stamp_of(touching[0]).to_sec())
                 self.assertEqual(float(contact[-1]["to"]), stamp_of(touching[-1]).to_sec())
+                for row, time, frame in ((contact[0], "from_s", touching[0]),
+                                         (contact[-1], "to_s", touching[-1])):
+                    since = stamp_of(frame) - stamp_of(0)
+                    self.assertAlmostEqual(float(row[time]), since.to_sec(), delta=0.0005)
 
     def test_the_robot_from_a_urdf(self):
         urdf = str(DATA / "robots/panda_description/urdf/panda.urdf")
