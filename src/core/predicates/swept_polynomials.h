@@ -101,7 +101,8 @@ struct Bernstein {
     for (int i = 0; i <= kDegree; ++i) row[i] = c[i];
     for (int i = kDegree; i >= 0; --i) {
       Real rest[kDegree + 1];
-      for (int j = 0; j <= i; ++j) rest[j] = row[j];
+      // More than are needed, because g++ 9 believes otherwise that some are read uninitialised.
+      for (int j = 0; j <= kDegree; ++j) rest[j] = row[j];
       for (int level = i; level > 0; --level) {
         for (int j = 0; j < level; ++j) rest[j] = (1 - to) * rest[j] + to * rest[j + 1];
       }
