@@ -73,10 +73,10 @@ class PlaneTriangle {
   PlaneBox box_;
 };
 
-class BoxTree {
+class PlaneBoxTree {
  public:
   // `work` is how many more boxes may be tested. It is shared by several trees and outlives them.
-  BoxTree(const std::vector<PlaneBox>& items, std::uint64_t* work) : work_(work) {
+  PlaneBoxTree(const std::vector<PlaneBox>& items, std::uint64_t* work) : work_(work) {
     while (first_ < items.size()) first_ *= 2;
     boxes_.resize(2 * first_);
     std::copy(items.begin(), items.end(), boxes_.begin() + static_cast<std::ptrdiff_t>(first_));

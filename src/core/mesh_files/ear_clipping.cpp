@@ -54,7 +54,7 @@ Contact selfContact(const std::vector<Vec3f>& corners, std::uint64_t* work) {
     boxes[i].add(corners[i]);
     boxes[i].add(corners[(i + 1) % size]);
   }
-  const BoxTree sides(boxes, work);
+  const PlaneBoxTree sides(boxes, work);
   Contact worst = Contact::kNone;
   for (std::size_t i = 0; i < size && worst != Contact::kCross; ++i) {
     const Vec3f &a = corners[i], &b = corners[(i + 1) % size];
@@ -224,7 +224,7 @@ class EarClipper {
   std::vector<std::uint32_t> previous_, next_;  // of corners that are not cut off
   std::vector<char> is_queued_, has_twin_;
   std::deque<std::uint32_t> queue_;  // corners to test
-  BoxTree blockers_;
+  PlaneBoxTree blockers_;
   std::vector<PolygonTriangle> triangles_;
 };
 
@@ -251,7 +251,7 @@ bool overlap(const std::vector<Vec3f>& corners, const std::vector<PolygonTriangl
     solid.emplace_back(corners[a], corners[b], corners[c]);
     boxes.push_back(solid.back().box());
   }
-  const BoxTree tree(boxes, work);
+  const PlaneBoxTree tree(boxes, work);
   for (std::size_t i = 0; i < solid.size(); ++i) {
     const bool any = tree.anyOf(solid[i], [&](std::size_t j) {
       return j > i && !isBeyondASide(solid[i], solid[j]) && !isBeyondASide(solid[j], solid[i]);

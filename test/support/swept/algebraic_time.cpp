@@ -10,13 +10,13 @@ namespace {
 // At this length of its interval a root is asked whether it is a root of the other polynomial too.
 constexpr unsigned long kAskForTie = 16;
 
-Dyadic next(const Dyadic& low) { return {low.numerator + 1, low.exponent}; }
+DyadicRational next(const DyadicRational& low) { return {low.numerator + 1, low.exponent}; }
 
-mpz_class numeratorAt(const Dyadic& x, unsigned long exponent) {
+mpz_class numeratorAt(const DyadicRational& x, unsigned long exponent) {
   return x.numerator << (exponent - x.exponent);
 }
 
-int variations(const std::vector<IntegerPolynomial>& chain, const Dyadic& x) {
+int variations(const std::vector<IntegerPolynomial>& chain, const DyadicRational& x) {
   int count = 0, last = 0;
   for (const IntegerPolynomial& p : chain) {
     const int sign = p.signAt(x);
@@ -28,15 +28,15 @@ int variations(const std::vector<IntegerPolynomial>& chain, const Dyadic& x) {
 }
 
 // Appends the roots of chain[0] in the half-open interval (low, low + 2^-exponent].
-void appendRoots(const std::vector<IntegerPolynomial>& chain, const Dyadic& low, int before_low,
-                 int before_high, std::vector<AlgebraicTime>* out) {
-  const Dyadic high = next(low);
+void appendRoots(const std::vector<IntegerPolynomial>& chain, const DyadicRational& low,
+                 int before_low, int before_high, std::vector<AlgebraicTime>* out) {
+  const DyadicRational high = next(low);
   const bool at_high = chain[0].signAt(high) == 0;
   const int inside = before_low - before_high - at_high;
   if (inside == 1) {
     out->emplace_back(chain[0], low);
   } else if (inside > 1) {
-    const Dyadic left{low.numerator * 2, low.exponent + 1}, right = next(left);
+    const DyadicRational left{low.numerator * 2, low.exponent + 1}, right = next(left);
     const int before_middle = variations(chain, right);
     appendRoots(chain, left, before_low, before_middle, out);
     appendRoots(chain, right, before_middle, before_high, out);
@@ -47,20 +47,20 @@ void appendRoots(const std::vector<IntegerPolynomial>& chain, const Dyadic& low,
 
 }  // namespace
 
-AlgebraicTime::AlgebraicTime(Dyadic value) : low_(std::move(value)) {}
+AlgebraicTime::AlgebraicTime(DyadicRational value) : low_(std::move(value)) {}
 
-AlgebraicTime::AlgebraicTime(IntegerPolynomial polynomial, Dyadic low)
+AlgebraicTime::AlgebraicTime(IntegerPolynomial polynomial, DyadicRational low)
     : polynomial_(std::move(polynomial)), low_(std::move(low)) {
   const int sign = polynomial_.signAt(low_);
   sign_after_low_ = sign != 0 ? sign : derivative(polynomial_).signAt(low_);
 }
 
-Dyadic AlgebraicTime::high() const { return isDyadic() ? low_ : next(low_); }
+DyadicRational AlgebraicTime::high() const { return isDyadic() ? low_ : next(low_); }
 
 void AlgebraicTime::halve() {
   low_.numerator *= 2;
   ++low_.exponent;
-  const Dyadic middle = next(low_);
+  const DyadicRational middle = next(low_);
   const int sign = polynomial_.signAt(middle);
   if (sign == 0 || sign == sign_after_low_) low_ = middle;
   if (sign == 0) polynomial_ = IntegerPolynomial();
@@ -112,7 +112,7 @@ int compare(AlgebraicTime& a, AlgebraicTime& b) {
 }
 
 std::vector<AlgebraicTime> rootsInStep(const IntegerPolynomial& p) {
-  const Dyadic zero{0, 0};
+  const DyadicRational zero{0, 0};
   if (p.hasOneSignFrom(zero)) return {};
   std::vector<IntegerPolynomial> chain = sturmChain(p);
   if (chain.back().degree() > 0) chain = sturmChain(squareFree(p));
@@ -122,7 +122,7 @@ std::vector<AlgebraicTime> rootsInStep(const IntegerPolynomial& p) {
   return roots;
 }
 
-Dyadic between(AlgebraicTime& a, AlgebraicTime& b) {
+DyadicRational between(AlgebraicTime& a, AlgebraicTime& b) {
   for (unsigned long exponent = std::max(a.low().exponent, b.low().exponent);; ++exponent) {
     a.refineTo(exponent);
     b.refineTo(exponent);

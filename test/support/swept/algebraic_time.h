@@ -11,15 +11,15 @@ namespace deformable_contact_monitor {
 // (k / 2^m, (k + 1) / 2^m). Its value never changes; the interval shrinks as questions need it.
 class AlgebraicTime {
  public:
-  explicit AlgebraicTime(Dyadic value);
+  explicit AlgebraicTime(DyadicRational value);
   // The only root of a polynomial without multiple roots in the open interval from `low` to
   // (numerator + 1) / 2^exponent. The polynomial may be 0 at the ends.
-  AlgebraicTime(IntegerPolynomial polynomial, Dyadic low);
+  AlgebraicTime(IntegerPolynomial polynomial, DyadicRational low);
 
   bool isDyadic() const { return polynomial_.isZero(); }
   // The interval's ends; both are the value where that is known to be dyadic.
-  const Dyadic& low() const { return low_; }
-  Dyadic high() const;
+  const DyadicRational& low() const { return low_; }
+  DyadicRational high() const;
 
   // The sign of p at this time.
   int signOf(const IntegerPolynomial& p);
@@ -35,7 +35,7 @@ class AlgebraicTime {
   bool isRootOf(const IntegerPolynomial& p);
 
   IntegerPolynomial polynomial_;  // zero: the value is low_
-  Dyadic low_;
+  DyadicRational low_;
   int sign_after_low_ = 0;
 };
 
@@ -43,6 +43,6 @@ class AlgebraicTime {
 std::vector<AlgebraicTime> rootsInStep(const IntegerPolynomial& p);
 
 // Some number strictly between a and b, where a is before b.
-Dyadic between(AlgebraicTime& a, AlgebraicTime& b);
+DyadicRational between(AlgebraicTime& a, AlgebraicTime& b);
 
 }  // namespace deformable_contact_monitor

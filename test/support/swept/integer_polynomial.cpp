@@ -41,7 +41,7 @@ IntegerPolynomial negative(const IntegerPolynomial& p) { return IntegerPolynomia
 
 }  // namespace
 
-mpq_class toRational(const Dyadic& x) {
+mpq_class toRational(const DyadicRational& x) {
   mpz_class denominator = 1;
   denominator <<= x.exponent;
   mpq_class out(x.numerator, denominator);
@@ -54,7 +54,7 @@ IntegerPolynomial::IntegerPolynomial(std::vector<mpz_class> coefficients)
   while (!coefficients_.empty() && coefficients_.back() == 0) coefficients_.pop_back();
 }
 
-int IntegerPolynomial::signAt(const Dyadic& x) const {
+int IntegerPolynomial::signAt(const DyadicRational& x) const {
   mpz_class sum = 0, scaled;  // Horner's rule for 2^(exponent * degree) times the value
   for (int i = degree(); i >= 0; --i) {
     sum *= x.numerator;
@@ -65,7 +65,7 @@ int IntegerPolynomial::signAt(const Dyadic& x) const {
   return sgn(sum);
 }
 
-bool IntegerPolynomial::hasOneSignFrom(const Dyadic& low) const {
+bool IntegerPolynomial::hasOneSignFrom(const DyadicRational& low) const {
   std::vector<mpz_class> taylor = coefficients_;
   for (int i = 0; i <= degree(); ++i) {
     taylor[static_cast<std::size_t>(i)] <<= low.exponent * static_cast<unsigned long>(degree() - i);

@@ -8,12 +8,12 @@
 namespace deformable_contact_monitor {
 
 // numerator / 2^exponent.
-struct Dyadic {
+struct DyadicRational {
   mpz_class numerator;
   unsigned long exponent = 0;
 };
 
-mpq_class toRational(const Dyadic& x);
+mpq_class toRational(const DyadicRational& x);
 
 class IntegerPolynomial {
  public:
@@ -25,12 +25,12 @@ class IntegerPolynomial {
   int degree() const { return static_cast<int>(coefficients_.size()) - 1; }  // of zero: -1
   const mpz_class& operator[](int i) const { return coefficients_[static_cast<std::size_t>(i)]; }
 
-  int signAt(const Dyadic& x) const;
+  int signAt(const DyadicRational& x) const;
 
   // Returns true only if the sign at (k + x) / 2^exponent is the same, and not 0, for all x from 0
   // to 1; k is the numerator of `low`. It compares the absolute values of the Taylor coefficients.
   // It returns true for every small enough interval without a root.
-  bool hasOneSignFrom(const Dyadic& low) const;
+  bool hasOneSignFrom(const DyadicRational& low) const;
 
  private:
   std::vector<mpz_class> coefficients_;

@@ -86,7 +86,7 @@ std::vector<Moment> eventsAndBetween(const std::vector<Event*>& events) {
   for (std::size_t i = 0; i < ordered.size(); ++i) {
     moments.push_back({ordered[i], ordered[i], true});
     if (i + 1 == ordered.size()) break;
-    const Dyadic middle = between(ordered[i], ordered[i + 1]);
+    const DyadicRational middle = between(ordered[i], ordered[i + 1]);
     moments.push_back({AlgebraicTime(middle), ordered[i], false});
   }
   return moments;
@@ -116,12 +116,12 @@ std::vector<Moment> momentsOf(const Circuit& circuit, PointSet shared, MovingPoi
   return eventsAndBetween(events);
 }
 
-std::optional<FirstTime> firstTimeOf(const Circuit& circuit, PointSet shared,
-                                     MovingPoints& points) {
+std::optional<MeetingTime> firstTimeOf(const Circuit& circuit, PointSet shared,
+                                       MovingPoints& points) {
   for (Moment& moment : momentsOf(circuit, shared, points)) {
     if (isCircuitAt(moment.time, circuit, points) &&
         (shared == 0 || !isSharedPointAt(moment.time, circuit, shared, points))) {
-      return FirstTime{moment.begin, moment.is_event};
+      return MeetingTime{moment.begin, moment.is_event};
     }
   }
   return std::nullopt;
@@ -146,11 +146,11 @@ void forEachCircuit(const MovingHulls& hulls, const MovingPoints& points, const 
 
 }  // namespace
 
-std::optional<FirstTime> firstMeeting(const MovingHulls& hulls) {
+std::optional<MeetingTime> firstMeeting(const MovingHulls& hulls) {
   MovingPoints points(hulls.points);
-  std::optional<FirstTime> first;
+  std::optional<MeetingTime> first;
   forEachCircuit(hulls, points, [&](const Circuit& circuit) {
-    std::optional<FirstTime> found = firstTimeOf(circuit, hulls.a & hulls.b, points);
+    std::optional<MeetingTime> found = firstTimeOf(circuit, hulls.a & hulls.b, points);
     if (!found) return false;
     const int order = first ? compare(found->time, first->time) : -1;
     if (order < 0) first = found;

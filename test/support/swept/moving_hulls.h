@@ -29,14 +29,14 @@ struct MovingHulls {
   PointSet a = 0, b = 0;
 };
 
-struct FirstTime {
+struct MeetingTime {
   AlgebraicTime time;
   bool is_attained;  // else they meet right after `time`, and not then
 };
 
 // The first time in [0, 1] when the closed hulls have a common point beyond the hull of the shared
 // points, if there is one. Sharing none, they meet at `time` itself, as the times are a closed set.
-std::optional<FirstTime> firstMeeting(const MovingHulls& hulls);
+std::optional<MeetingTime> firstMeeting(const MovingHulls& hulls);
 
 // Returns whether firstMeeting() finds a time, and is faster.
 bool meetEver(const MovingHulls& hulls);

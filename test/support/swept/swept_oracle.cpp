@@ -22,7 +22,7 @@ bool areInContact(const SweptTriangle& a, const SweptTriangle& b, AdjacentPairs 
 }
 
 std::optional<SweptTime> firstContact(const SweptTriangle& a, const SweptTriangle& b) {
-  std::optional<FirstTime> first = firstMeeting(hullsOf(a, b));
+  std::optional<MeetingTime> first = firstMeeting(hullsOf(a, b));
   if (!first) return std::nullopt;
   first->time.refineTo(kTimeBits);
   return SweptTime{toRational(first->time.low()), toRational(first->time.high()),
