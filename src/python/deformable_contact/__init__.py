@@ -23,7 +23,7 @@ def __getattr__(name):
     except ModuleNotFoundError as error:
         if error.name != __name__ + "._core":
             raise
-        raise ImportError("%s.%s is not in a build of the messages alone (MESSAGES_ONLY)"
+        raise ImportError("%s.%s is not in a build of the messages alone, nor in one without pybind11"
                           % (__name__, name)) from None
     if name in _WITH_ROS and not hasattr(core, name):
         raise AttributeError("%s.%s needs a build with ROS, which finds and reads the files of a "
