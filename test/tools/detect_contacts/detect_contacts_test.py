@@ -316,8 +316,8 @@ class DetectContacts(Case):
                                stderr=subprocess.PIPE, text=True)
         self.assertEqual(run.stdout.readline(), "0 0 1 0\n")
         run.stdout.close()
-        self.assertEqual(run.stderr.read(), "")
-        run.stderr.close()
+        with run.stderr as said:  # on a busy machine, how far it is
+            self.assertEqual([line for line in said if not line.startswith("detecting, ")], [])
         self.assertEqual(run.wait(timeout=60), 0)
 
     def test_cuda_runs_or_says_why_it_is_the_cpu(self):
