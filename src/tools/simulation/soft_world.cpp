@@ -2,14 +2,9 @@
 #include "tools/simulation/soft_world.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
-#include <BulletSoftBody/btSoftBody.h>
-#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
-#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
-#include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
@@ -53,66 +48,16 @@ Eigen::Isometry3d between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b
 
 }  // namespace
 
-// Bullet's world, the soft body in it, and a rigid body for each convex piece of a link.
-class SoftWorld::Bullet {
- public:
-  Bullet(const SoftShape& shape, const SoftWorldOptions& options);
-  ~Bullet();
-
-  void addPiece(const std::string& link, std::unique_ptr<btConvexShape> piece);
-  Advance advance(double dt_s, const LinkPose& pose_of);
-  std::size_t hold(const std::vector<std::string>& links, double radius_m);
-  void release();
-  void restart();
-  const btSoftBody& body() const { return *body_; }
-  std::vector<bool> held() const;
-  std::string linkOf(const btCollisionObject* object) const;
-
- private:
-  // A piece of a link.
-  struct Piece {
-    std::unique_ptr<btConvexShape> shape;
-    std::unique_ptr<btDefaultMotionState> motion;
-    std::unique_ptr<btRigidBody> body;
-  };
-  struct Link {
-    std::vector<Piece> pieces;
-    std::optional<Eigen::Isometry3d> from, to;  // poses at the beginning and the end of a call
-  };
-  // A node that follows a link.
-  struct Held {
-    int node;
-    std::string link;
-    Eigen::Vector3d place;  // in the link's frame [m]
-  };
-
-  void makeBody();
-  void place(const std::vector<btVector3>& nodes);
-  void movePieces(Link* link, const Eigen::Isometry3d& pose, bool at_once);
-  void moveHeld(double share);
-  std::string explosion(bool* is_lost) const;
-  void undo(const std::vector<btVector3>& nodes, bool is_lost, Advance* result);
-
-  const SoftShape& shape_;
-  const SoftWorldOptions options_;
-  btVector3 middle_;   // of the object at rest
-  double far_away_m_;  // from there
-  std::map<std::string, Link> links_;
-  std::vector<Held> held_;
-  int undone_ = 0;  // calls in a row
-
-  btSoftBodyRigidBodyCollisionConfiguration configuration_;
-  btCollisionDispatcher dispatcher_{&configuration_};
-  btDbvtBroadphase broadphase_;
-  btSequentialImpulseConstraintSolver solver_;
-  btSoftRigidDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
-  std::unique_ptr<btSoftBody> body_;
-};
-
-SoftWorld::Bullet::Bullet(const SoftShape& shape, const SoftWorldOptions& options)
-    : shape_(shape), options_(options) {
-  Eigen::Vector3d low = shape.nodes.front(), high = low;
-  for (const Eigen::Vector3d& node : shape.nodes) {
+SoftWorld::SoftWorld(SoftShape shape, const SoftWorldOptions& options)
+    : shape_(std::move(shape)), options_(options) {
+  for (const double number : {options.step_s, options.margin_m, options.max_speed_m_s}) {
+    if (!(number > 0) || !std::isfinite(number)) {
+      throw std::invalid_argument(
+          "the step, the margin and the fastest speed must be finite and above zero");
+    }
+  }
+  Eigen::Vector3d low = shape_.nodes.front(), high = low;
+  for (const Eigen::Vector3d& node : shape_.nodes) {
     low = low.cwiseMin(node);
     high = high.cwiseMax(node);
   }
@@ -129,7 +74,7 @@ SoftWorld::Bullet::Bullet(const SoftShape& shape, const SoftWorldOptions& option
   makeBody();
 }
 
-SoftWorld::Bullet::~Bullet() {
+SoftWorld::~SoftWorld() {
   world_.removeSoftBody(body_.get());
   for (auto& [name, link] : links_) {
     for (Piece& piece : link.pieces) {
@@ -139,7 +84,7 @@ SoftWorld::Bullet::~Bullet() {
 }
 
 // Makes the soft body anew, at rest. Nothing that Bullet remembers of an explosion is left.
-void SoftWorld::Bullet::makeBody() {
+void SoftWorld::makeBody() {
   if (body_) world_.removeSoftBody(body_.get());
   std::vector<btVector3> nodes;
   for (const Eigen::Vector3d& node : shape_.nodes) nodes.push_back(toBullet(node));
@@ -176,7 +121,7 @@ void SoftWorld::Bullet::makeBody() {
 }
 
 // Puts the nodes there, at rest.
-void SoftWorld::Bullet::place(const std::vector<btVector3>& nodes) {
+void SoftWorld::place(const std::vector<btVector3>& nodes) {
   for (int i = 0; i < body_->m_nodes.size(); ++i) {
     btSoftBody::Node& node = body_->m_nodes[i];
     node.m_x = node.m_q = nodes[static_cast<std::size_t>(i)];
@@ -184,7 +129,7 @@ void SoftWorld::Bullet::place(const std::vector<btVector3>& nodes) {
   }
 }
 
-void SoftWorld::Bullet::addPiece(const std::string& link, std::unique_ptr<btConvexShape> shape) {
+void SoftWorld::addPiece(const std::string& link, std::unique_ptr<btConvexShape> shape) {
   Piece piece;
   piece.shape = std::move(shape);
   piece.motion = std::make_unique<btDefaultMotionState>();
@@ -196,7 +141,7 @@ void SoftWorld::Bullet::addPiece(const std::string& link, std::unique_ptr<btConv
   links_[link].pieces.push_back(std::move(piece));
 }
 
-std::string SoftWorld::Bullet::linkOf(const btCollisionObject* object) const {
+std::string SoftWorld::linkOf(const btCollisionObject* object) const {
   for (const auto& [name, link] : links_) {
     for (const Piece& piece : link.pieces) {
       if (piece.body.get() == object) return name;
@@ -207,7 +152,7 @@ std::string SoftWorld::Bullet::linkOf(const btCollisionObject* object) const {
 
 // Bullet derives a kinematic body's velocity from the poses that its motion state has in turn.
 // `at_once` moves it without a velocity.
-void SoftWorld::Bullet::movePieces(Link* link, const Eigen::Isometry3d& pose, bool at_once) {
+void SoftWorld::movePieces(Link* link, const Eigen::Isometry3d& pose, bool at_once) {
   for (Piece& piece : link->pieces) {
     const btTransform transform = toBullet(pose);
     piece.motion->setWorldTransform(transform);
@@ -221,7 +166,7 @@ void SoftWorld::Bullet::movePieces(Link* link, const Eigen::Isometry3d& pose, bo
   }
 }
 
-void SoftWorld::Bullet::moveHeld(double share) {
+void SoftWorld::moveHeld(double share) {
   for (const Held& held : held_) {
     const Link& link = links_.at(held.link);
     btSoftBody::Node& node = body_->m_nodes[held.node];
@@ -233,7 +178,7 @@ void SoftWorld::Bullet::moveHeld(double share) {
 
 // Returns why the present state is an explosion; empty if it is none. It is lost if it does not
 // come back when it is undone.
-std::string SoftWorld::Bullet::explosion(bool* is_lost) const {
+std::string SoftWorld::explosion(bool* is_lost) const {
   for (int i = 0; i < body_->m_nodes.size(); ++i) {
     const btSoftBody::Node& node = body_->m_nodes[i];
     const double speed = node.m_v.length(), away = (node.m_x - middle_).length();
@@ -251,7 +196,7 @@ std::string SoftWorld::Bullet::explosion(bool* is_lost) const {
 }
 
 // Takes the object back to these nodes. The links stand where they should be at the end.
-void SoftWorld::Bullet::undo(const std::vector<btVector3>& nodes, bool is_lost, Advance* result) {
+void SoftWorld::undo(const std::vector<btVector3>& nodes, bool is_lost, Advance* result) {
   if (++undone_ < kUndoneInARow && !is_lost) {
     makeBody();
     place(nodes);
@@ -265,7 +210,7 @@ void SoftWorld::Bullet::undo(const std::vector<btVector3>& nodes, bool is_lost, 
   }
 }
 
-Advance SoftWorld::Bullet::advance(double dt_s, const LinkPose& pose_of) {
+Advance SoftWorld::advance(double dt_s, const LinkPose& pose_of) {
   Advance result;
   bool is_lost = false;
   std::vector<btVector3> before;
@@ -300,7 +245,7 @@ Advance SoftWorld::Bullet::advance(double dt_s, const LinkPose& pose_of) {
   return result;
 }
 
-std::size_t SoftWorld::Bullet::hold(const std::vector<std::string>& links, double radius_m) {
+std::size_t SoftWorld::hold(const std::vector<std::string>& links, double radius_m) {
   for (const std::string& name : links) {
     const auto link = links_.find(name);
     if (link == links_.end() || name == kFloorName) {
@@ -336,42 +281,24 @@ std::size_t SoftWorld::Bullet::hold(const std::vector<std::string>& links, doubl
   return held_.size();
 }
 
-std::vector<bool> SoftWorld::Bullet::held() const {
-  std::vector<bool> result(shape_.nodes.size());
-  for (const Held& held : held_) result[static_cast<std::size_t>(held.node)] = true;
-  return result;
-}
-
-void SoftWorld::Bullet::release() {
+void SoftWorld::release() {
   const auto mass = static_cast<btScalar>(kMass / body_->m_nodes.size());
   for (const Held& held : held_) body_->setMass(held.node, mass);
   held_.clear();
 }
 
-void SoftWorld::Bullet::restart() {
+void SoftWorld::restart() {
   makeBody();
   held_.clear();
   undone_ = 0;
 }
-
-SoftWorld::SoftWorld(SoftShape shape, const SoftWorldOptions& options) : shape_(std::move(shape)) {
-  for (const double number : {options.step_s, options.margin_m, options.max_speed_m_s}) {
-    if (!(number > 0) || !std::isfinite(number)) {
-      throw std::invalid_argument(
-          "the step, the margin and the fastest speed must be finite and above zero");
-    }
-  }
-  bullet_ = std::make_unique<Bullet>(shape_, options);
-}
-
-SoftWorld::~SoftWorld() = default;
 
 std::string SoftWorld::bulletVersion() {
   return std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100);
 }
 
 void SoftWorld::addLink(const std::string& name, const TriangleMesh& mesh) {
-  for (auto& hull : linkHulls(mesh)) bullet_->addPiece(name, std::move(hull));
+  for (auto& hull : linkHulls(mesh)) addPiece(name, std::move(hull));
 }
 
 void SoftWorld::addFloor(double z) {
@@ -382,19 +309,12 @@ void SoftWorld::addFloor(double z) {
                                              (corner & 4) != 0 ? z : z - 1)));
   }
   table->setMargin(0);
-  bullet_->addPiece(kFloorName, std::move(table));
-}
-
-Advance SoftWorld::advance(double dt_s, const LinkPose& pose_of) {
-  return bullet_->advance(dt_s, pose_of);
-}
-
-std::size_t SoftWorld::hold(const std::vector<std::string>& links, double radius_m) {
-  return bullet_->hold(links, radius_m);
+  addPiece(kFloorName, std::move(table));
 }
 
 std::size_t SoftWorld::heldTriangles() const {
-  const std::vector<bool> held = bullet_->held();
+  std::vector<bool> held(shape_.nodes.size());
+  for (const Held& one : held_) held[static_cast<std::size_t>(one.node)] = true;
   std::size_t count = 0;
   for (std::size_t t = 0; t < shape_.triangles.size(); t += 3) {
     const bool all =
@@ -404,15 +324,11 @@ std::size_t SoftWorld::heldTriangles() const {
   return count;
 }
 
-void SoftWorld::restart() { bullet_->restart(); }
-
-void SoftWorld::release() { bullet_->release(); }
-
 TriangleMesh SoftWorld::mesh() const {
   TriangleMesh mesh;
   mesh.vertices.reserve(3 * shape_.node_of_vertex.size());
   for (const std::uint32_t node : shape_.node_of_vertex) {
-    const btVector3& p = bullet_->body().m_nodes[static_cast<int>(node)].m_x;
+    const btVector3& p = body_->m_nodes[static_cast<int>(node)].m_x;
     for (const btScalar coordinate : {p.x(), p.y(), p.z()}) {
       mesh.vertices.push_back(static_cast<float>(coordinate));
     }
@@ -425,7 +341,7 @@ double SoftWorld::stretch() const {
   double most = 0;
   for (const SoftSpring& spring : shape_.springs) {
     if (spring.bends) continue;
-    const auto& nodes = bullet_->body().m_nodes;
+    const auto& nodes = body_->m_nodes;
     const double now =
         (nodes[static_cast<int>(spring.a)].m_x - nodes[static_cast<int>(spring.b)].m_x).length();
     most = std::max(most, now / (shape_.nodes[spring.a] - shape_.nodes[spring.b]).norm());
@@ -435,11 +351,11 @@ double SoftWorld::stretch() const {
 
 std::vector<SoftContact> SoftWorld::contacts() const {
   std::vector<SoftContact> contacts;
-  const btSoftBody& body = bullet_->body();
+  const btSoftBody& body = *body_;
   for (int i = 0; i < body.m_rcontacts.size(); ++i) {
     const auto& contact = body.m_rcontacts[i];
     contacts.push_back({static_cast<std::uint32_t>(contact.m_node - &body.m_nodes[0]),
-                        bullet_->linkOf(contact.m_cti.m_colObj)});
+                        linkOf(contact.m_cti.m_colObj)});
   }
   std::sort(contacts.begin(), contacts.end(), [](const SoftContact& a, const SoftContact& b) {
     return std::tie(a.node, a.link) < std::tie(b.node, b.link);

@@ -5,10 +5,17 @@
 // with its edges and triangles, and it does not meet itself.
 #pragma once
 
+#include <BulletSoftBody/btSoftBody.h>
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
+#include <btBulletDynamicsCommon.h>
+
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -93,10 +100,46 @@ class SoftWorld {
   const SoftShape& shape() const { return shape_; }
 
  private:
-  class Bullet;  // keeps Bullet's headers out of this one
+  // A convex piece of a link.
+  struct Piece {
+    std::unique_ptr<btConvexShape> shape;
+    std::unique_ptr<btDefaultMotionState> motion;
+    std::unique_ptr<btRigidBody> body;
+  };
+  struct Link {
+    std::vector<Piece> pieces;
+    std::optional<Eigen::Isometry3d> from, to;  // poses at the beginning and the end of a call
+  };
+  // A node that follows a link.
+  struct Held {
+    int node;
+    std::string link;
+    Eigen::Vector3d place;  // in the link's frame [m]
+  };
 
-  SoftShape shape_;
-  std::unique_ptr<Bullet> bullet_;
+  void makeBody();
+  void addPiece(const std::string& link, std::unique_ptr<btConvexShape> piece);
+  void place(const std::vector<btVector3>& nodes);
+  void movePieces(Link* link, const Eigen::Isometry3d& pose, bool at_once);
+  void moveHeld(double share);
+  std::string explosion(bool* is_lost) const;
+  void undo(const std::vector<btVector3>& nodes, bool is_lost, Advance* result);
+  std::string linkOf(const btCollisionObject* object) const;
+
+  const SoftShape shape_;
+  const SoftWorldOptions options_;
+  btVector3 middle_;   // of the object at rest
+  double far_away_m_;  // from there
+  std::map<std::string, Link> links_;
+  std::vector<Held> held_;
+  int undone_ = 0;  // calls in a row
+
+  btSoftBodyRigidBodyCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_{&configuration_};
+  btDbvtBroadphase broadphase_;
+  btSequentialImpulseConstraintSolver solver_;
+  btSoftRigidDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
+  std::unique_ptr<btSoftBody> body_;
 };
 
 }  // namespace deformable_contact_monitor
