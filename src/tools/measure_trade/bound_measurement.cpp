@@ -73,11 +73,6 @@ double toInside(const Corners& a, const Corners& b) {
   return gap;
 }
 
-// Returns the share of a part; 1 if there is nothing to count.
-double share(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? 1 : static_cast<double>(part) / static_cast<double>(whole);
-}
-
 // Adds the states of one detection to the sums, and checks them.
 class Counting {
  public:
@@ -116,9 +111,7 @@ class Counting {
     const bool is_true = truth_.count(bodies) > 0, claimed = decision == PairDecision::kContact;
     ++sum_->pairs;
     sum_->decided += decision != PairDecision::kOpen;
-    sum_->contacts += is_true;
-    sum_->claimed += claimed;
-    sum_->common += claimed && is_true;
+    sum_->contacts.add({is_true, claimed, claimed && is_true});
     if (!is_true || claimed || decision == PairDecision::kOpen) return;
     ++sum_->missed;
     if (sum_->setting.overlap < 1) return;
@@ -181,8 +174,6 @@ std::string describe(const BoundSetting& setting) {
   return text;
 }
 
-double BoundMeasurement::recall() const { return share(common, contacts); }
-double BoundMeasurement::precision() const { return share(common, claimed); }
 double BoundMeasurement::decidedShare() const { return share(decided, pairs); }
 double BoundMeasurement::p99OverBudget() const {
   return setting.budget_ms > 0 ? percentile(ms, 0.99) / setting.budget_ms : 0;

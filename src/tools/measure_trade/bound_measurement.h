@@ -32,21 +32,17 @@ struct BoundSetting {
 // cuda", "overlap 0.5".
 std::string describe(const BoundSetting& setting);
 
-// Sums over all cycles. A pair is a pair of two bodies, and is claimed if its state is CONTACT.
+// Sums over all cycles. A pair is a pair of two bodies.
 struct BoundMeasurement {
   BoundSetting setting;
   std::vector<double> ms;      // time of each detection [ms]
   std::uint64_t pairs = 0;     // pairs that were checked
   std::uint64_t decided = 0;   // pairs that are not UNKNOWN
-  std::uint64_t contacts = 0;  // pairs that intersect
-  std::uint64_t claimed = 0;   // pairs that are reported as contacts
-  std::uint64_t common = 0;    // claimed contacts that intersect
+  PairCounts contacts;         // pairs that intersect, and those that are claimed: state CONTACT
   std::uint64_t missed = 0;    // contacts that are reported as none: a defect if overlap is 1
   double largest_claim_m = 0;  // largest triangleGapM() of a claimed contact [m]
   std::string broken;          // the first broken promise; empty: none
 
-  double recall() const;     // 1 if there is no contact
-  double precision() const;  // 1 if nothing is claimed
   // Returns the share of pairs that are not UNKNOWN.
   double decidedShare() const;
   // Returns the 99th percentile of the times over the budget; 0 without a budget.

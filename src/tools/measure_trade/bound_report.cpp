@@ -32,9 +32,9 @@ TableRow row(const TradeArguments& arguments, const BoundMeasurement& m,
           {"time_of_exact", median(m.ms) / median(exact.ms)},
           {"pairs", m.pairs},
           {"decided_share", m.decidedShare()},
-          {"contacts", m.contacts},
-          {"recall", m.recall()},
-          {"precision", m.precision()},
+          {"contacts", m.contacts.truth},
+          {"recall", m.contacts.recall()},
+          {"precision", m.contacts.precision()},
           {"missed", m.missed},
           {"largest_claim_m", m.largest_claim_m},
           {"p99_over_budget", m.p99OverBudget()}};
@@ -46,8 +46,8 @@ std::string line(const BoundMeasurement& m, const BoundMeasurement& exact) {
       "  %-34s median %8.3f ms (%.2f of exact), p99 %8.3f ms, %6.2f %% decided, recall %.4g %%, "
       "precision %.4g %%, contacts up to %.3g m apart\n",
       describe(m.setting).c_str(), median(m.ms), median(m.ms) / median(exact.ms),
-      percentile(m.ms, 0.99), 100 * m.decidedShare(), 100 * m.recall(), 100 * m.precision(),
-      m.largest_claim_m);
+      percentile(m.ms, 0.99), 100 * m.decidedShare(), 100 * m.contacts.recall(),
+      100 * m.contacts.precision(), m.largest_claim_m);
 }
 
 // Returns the mean over all cycles.

@@ -34,14 +34,8 @@ std::vector<std::pair<BodyPair, float>> distancesOf(const DetectionResult& resul
 }  // namespace
 
 const char* toString(MarginUse use) {
-  switch (use) {
-    case MarginUse::kNearest:
-      return "nearest";
-    case MarginUse::kNearPairs:
-      return "near_pairs";
-    default:
-      return "touching";
-  }
+  constexpr const char* kNames[] = {"touching", "nearest", "near_pairs"};
+  return kNames[static_cast<std::size_t>(use)];
 }
 
 std::string describe(const MarginSetting& setting) {

@@ -246,17 +246,15 @@ const std::vector<MotionWay>& waysToLook() {
 }
 
 // All ways are compared over the same intervals: those between kept frames.
-LostContacts lostContacts(const MotionResults& found, const MotionWay& way, MotionLevel level) {
-  LostContacts sum;
+PairCounts lostContacts(const MotionResults& found, const MotionWay& way, MotionLevel level) {
+  PairCounts sum;
   for (const MotionStep& stretch : found.kept_steps) {
     const Pairs truth = atLevel(seenIn(found, kTruth, stretch.from, stretch.to), level);
     const Pairs seen = atLevel(seenIn(found, way, stretch.from, stretch.to), level);
     Pairs common;
     std::set_intersection(truth.begin(), truth.end(), seen.begin(), seen.end(),
                           std::back_inserter(common));
-    sum.truth += truth.size();
-    sum.found += seen.size();
-    sum.common += common.size();
+    sum.add({truth.size(), seen.size(), common.size()});
   }
   return sum;
 }

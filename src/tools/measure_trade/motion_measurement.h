@@ -79,20 +79,10 @@ struct MotionWay {
 // Returns all ways but the truth, which is swept motion at all frames.
 const std::vector<MotionWay>& waysToLook();
 
-// Compares the contacts that a way finds with the true ones. A contact counts once in each interval
-// between kept frames in which it exists at some time.
-struct LostContacts {
-  std::uint64_t truth = 0, found = 0, common = 0;
-
-  // Returns the number of true contacts that the way misses.
-  std::uint64_t lost() const { return truth - common; }
-  // Contacts on the straight path between two kept frames that the true path does not have.
-  std::uint64_t added() const { return found - common; }
-};
-
-// Counts the contacts that a way finds and misses at a level, summed over the intervals between
-// kept frames.
-LostContacts lostContacts(const MotionResults& found, const MotionWay& way, MotionLevel level);
+// Compares the contacts that a way finds with the true ones, at a level. A contact counts once in
+// each interval between kept frames in which it exists at some time. Contacts are added on the
+// straight path between two kept frames, where the true path has none.
+PairCounts lostContacts(const MotionResults& found, const MotionWay& way, MotionLevel level);
 
 // Returns the onsets by swept motion at all frames, in the order of intervals, then of pairs. A
 // contact that exists in the first frame, or was not checked before, has no onset.

@@ -16,7 +16,7 @@ namespace deformable_contact_monitor {
 struct MotionCounts {
   // The contacts and onsets of one way.
   struct Way {
-    LostContacts contacts;
+    PairCounts contacts;
     FoundOnsets onsets;
   };
   MotionLevel level = MotionLevel::kBodies;

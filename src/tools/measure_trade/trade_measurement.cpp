@@ -20,10 +20,10 @@ PairCounts countsOf(const FrameCounts& counts, const BodyPair& bodies) {
 // Returns how the guarantee is broken; empty: it holds. No contact may be missing. Exact predicates
 // must add none either; conservative ones may.
 std::string howBroken(const Setting& setting, const PairCounts& pairs, const std::string& frame) {
-  const std::uint64_t missing = pairs.truth - pairs.common, added = pairs.found - pairs.common;
-  if (missing == 0 && (added == 0 || setting.options.predicates != Predicates::kExact)) return "";
-  return describe(setting) + " is guaranteed, but misses " + std::to_string(missing) +
-         " of the exact contacts and adds " + std::to_string(added) + " in " + frame;
+  const bool may_add = setting.options.predicates != Predicates::kExact;
+  if (pairs.lost() == 0 && (may_add || pairs.added() == 0)) return "";
+  return describe(setting) + " is guaranteed, but misses " + std::to_string(pairs.lost()) +
+         " of the exact contacts and adds " + std::to_string(pairs.added()) + " in " + frame;
 }
 
 // Adds the rates of a frame, and remembers the first frame in which a guarantee is broken.

@@ -8,11 +8,6 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Returns the share of a part; 1 if there is nothing to count.
-double share(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? 1 : static_cast<double>(part) / static_cast<double>(whole);
-}
-
 // Returns true if the ranges of two figures overlap.
 bool overlap(double a, const Spread& of_a, double b, const Spread& of_b) {
   return a - of_a.below <= b + of_b.above && b - of_b.below <= a + of_a.above;
@@ -49,15 +44,16 @@ std::size_t bestOf(const std::vector<Worth>& settings, const std::vector<std::si
 
 }  // namespace
 
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 1 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
 // Counts of several pairs of bodies simply add up.
 void PairCounts::add(const PairCounts& o) {
   truth += o.truth;
   found += o.found;
   common += o.common;
 }
-
-double PairCounts::recall() const { return share(common, truth); }
-double PairCounts::precision() const { return share(common, found); }
 
 // Walks through both sorted lists at once. A pair is true, found, or both.
 FrameCounts compare(const std::vector<TrianglePair>& truth,

@@ -16,16 +16,22 @@ namespace deformable_contact_monitor {
 
 using BodyPair = std::pair<BodyId, BodyId>;  // the lower first; both the same: self-contacts
 
+// Returns the share of a part; 1 if there is nothing to count.
+double share(std::uint64_t part, std::uint64_t whole);
+
 // Counts of pairs: true ones, found ones, and found ones that are true.
 struct PairCounts {
   std::uint64_t truth = 0, found = 0, common = 0;
 
   // Adds the counts of other pairs.
   void add(const PairCounts& o);
+  // Returns how many true contacts were not found, and how many were found that are not true.
+  std::uint64_t lost() const { return truth - common; }
+  std::uint64_t added() const { return found - common; }
   // Returns the share of the true contacts that were found; 1 if there is none.
-  double recall() const;
+  double recall() const { return share(common, truth); }
   // Returns the share of the found contacts that are true; 1 if nothing was found.
-  double precision() const;
+  double precision() const { return share(common, found); }
 };
 
 // The counts of one frame. It holds only pairs of bodies with a true or found contact.

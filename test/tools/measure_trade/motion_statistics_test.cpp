@@ -113,7 +113,7 @@ TEST(MotionStatistics, WhatEachWayLoses) {
     const std::vector<Onset> truth = trueOnsets(found, level);
     ASSERT_EQ(truth.size(), 2 * of_each);
     for (std::size_t way = 0; way < 3; ++way) {
-      const LostContacts contacts = lostContacts(found, waysToLook()[way], level);
+      const PairCounts contacts = lostContacts(found, waysToLook()[way], level);
       EXPECT_EQ(contacts.truth, 2 * of_each);
       EXPECT_EQ(contacts.lost(), lost[way] * of_each) << way;
       EXPECT_EQ(contacts.added(), 0U);
@@ -153,7 +153,7 @@ TEST(MotionStatistics, Times) {
 
 TEST(MotionStatistics, AStraightWayThatIsNotTheTrueOneIsSaid) {
   const MotionResults found = motionsOf({{0, 1}, {20, 1}, {20, -1}, {0, -1}}, 3);
-  const LostContacts contacts = lostContacts(found, waysToLook()[2], MotionLevel::kTriangles);
+  const PairCounts contacts = lostContacts(found, waysToLook()[2], MotionLevel::kTriangles);
   EXPECT_EQ(contacts.truth, 0U);
   EXPECT_EQ(contacts.added(), 2U);
   const FoundOnsets onsets = findOnsets(found, waysToLook()[2], MotionLevel::kTriangles, {});
@@ -169,7 +169,7 @@ TEST(MotionStatistics, OfSeveralInOneIntervalTheFirstIsFound) {
   EXPECT_TRUE(swept.of_truth[0]);
   EXPECT_EQ(swept.lost(), 2U);
   // It is one contact of the stretch, and found.
-  const LostContacts contacts = lostContacts(found, waysToLook()[2], MotionLevel::kBodies);
+  const PairCounts contacts = lostContacts(found, waysToLook()[2], MotionLevel::kBodies);
   EXPECT_EQ(std::make_pair(contacts.truth, contacts.lost()),
             (std::pair<std::uint64_t, std::uint64_t>(1, 0)));
 }
