@@ -10,8 +10,8 @@ import sys
 
 sys.dont_write_bytecode = True  # beside programs there is no place for it
 # pylint: disable=wrong-import-position
-from plot_trade import (BACKENDS, Measured, draw, legend, log_axis, numbers, panels,
-                        percent_axis)
+from plot_trade import (BACKENDS, Measured, draw, legend, log_scale, numbers, percent_axis,
+                        scene_panels)
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#e69f00", "#56b4e9", "#cc79a7")
 
@@ -40,9 +40,8 @@ def plot_times(axis, scene):
     for row in scene.exact:
         axis.axhline(row["median_ms"], color=BACKENDS[row["backend"]], linestyle="--",
                      label=f"exact, {row['backend']}")
-    axis.set_yscale("log")
-    log_axis(axis.yaxis)
-    axis.set_xlabel("tolerance [mm]", fontsize=9)
+    log_scale(axis, "y")
+    axis.set_xlabel("tolerance [mm]")
 
 
 def plot_rates(axis, scene):
@@ -55,9 +54,8 @@ def plot_rates(axis, scene):
         for rate, marker in (("recall", "o"), ("precision", "x")):
             axis.plot(numbers(rows, "median_ms"), numbers(rows, rate, 100), marker, color=color,
                       fillstyle="none", label=f"{name}: {rate}" if rows else None)
-    axis.set_xscale("log")
-    log_axis(axis.xaxis)
-    axis.set_xlabel("median time [ms]", fontsize=9)
+    log_scale(axis, "x")
+    axis.set_xlabel("median time [ms]")
 
 
 def plot_claims(axis, scene):
@@ -65,7 +63,7 @@ def plot_claims(axis, scene):
     axis.plot(tolerances, tolerances, "--", color="grey", label="tolerance itself")
     axis.plot(tolerances, numbers(scene.without_budget, "largest_claim_m", 1e3), "o",
               color="black", label="largest at a claimed contact")
-    axis.set_xlabel("tolerance [mm]", fontsize=9)
+    axis.set_xlabel("tolerance [mm]")
 
 
 def plot_budgets(decided, times, scene):
@@ -77,23 +75,19 @@ def plot_budgets(decided, times, scene):
         times.plot(budgets, numbers(rows, "p99_ms"), "o-", color=color, label=label)
     budgets = sorted({row["budget_ms"] for row in scene.with_budget})
     times.plot(budgets, budgets, "--", color="grey", label="budget itself")
-    decided.set_ylim(0, 105)
-    for axis in (decided, times):
-        axis.set_xlabel("budget [ms]", fontsize=9)
+    decided.set(ylim=(0, 105), xlabel="budget [ms]")
+    times.set_xlabel("budget [ms]")
 
 
 def plot(scenes):
-    figure, axes = panels(5, len(scenes))
+    figure, axes = scene_panels(scenes, ("median time [ms]", "pairs of bodies [%]",
+                                         "distance [mm]", "pairs decided [%]", "p99 [ms]"))
     for column, scene in enumerate(scenes):
         times, rates, claims, decided, late = axes[:, column]
-        times.set_title(scene.name, fontsize=10)
         plot_times(times, scene)
         plot_rates(rates, scene)
         plot_claims(claims, scene)
         plot_budgets(decided, late, scene)
-    for axis, label in zip(axes[:, 0], ("median time [ms]", "pairs of bodies [%]",
-                                        "distance [mm]", "pairs decided [%]", "p99 [ms]")):
-        axis.set_ylabel(label, fontsize=9)
     legend(figure, axes)
     return figure
 

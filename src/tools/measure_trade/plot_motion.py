@@ -9,7 +9,7 @@ import sys
 
 sys.dont_write_bytecode = True  # beside programs there is no place for it
 # pylint: disable=wrong-import-position
-from plot_trade import Measured, draw, legend, panels, read_table, scene_panels
+from plot_trade import Measured, draw, legend, read_table, scene_panels
 
 TRUTH = "swept, all frames"
 COLORS = {"instant": "#d55e00", "instant_kept": "#e69f00", "swept_kept": "#0072b2"}
@@ -44,7 +44,8 @@ def label(way):
 
 
 def plot_lost(scenes):
-    figure, axes = scene_panels(scenes)
+    figure, axes = scene_panels(
+        scenes, ("contacts of triangles\nlost [%]", "onsets of triangles\nlost [%]"), sharex="col")
     for column, scene in enumerate(scenes):
         for axis, (level, what) in zip(axes[:, column], ROWS):
             shares = [100 * lost / of if of else 0 for lost, of in scene.lost(level, what)]
@@ -56,13 +57,11 @@ def plot_lost(scenes):
             axis.set_xticks(range(len(WAYS)))
             axis.set_xticklabels([label(way).replace(", ", ",\n") for way in WAYS], fontsize=7)
             axis.grid(visible=False, axis="x")
-    axes[0, 0].set_ylabel("contacts of triangles\nlost [%]", fontsize=9)
-    axes[1, 0].set_ylabel("onsets of triangles\nlost [%]", fontsize=9)
     return figure
 
 
 def plot_onsets(scenes):
-    figure, axes = panels(1, len(scenes))
+    figure, axes = scene_panels(scenes, ["onsets of triangle pairs"])
     for axis, scene in zip(axes[0], scenes):
         for name, column, color in ((TRUTH, "first_low", "black"),
                                     *((label(way), way if way.startswith("instant")
@@ -72,10 +71,8 @@ def plot_onsets(scenes):
             y = [*range(len(times) + 1), len(times)]
             axis.step(x, y, where="post", color=color, linewidth=2.4 if name == TRUTH else 1.2,
                       alpha=0.35 if name == TRUTH else 1, label=name)
-        axis.set_title(f"{scene.name} (every {scene.every}th kept)", fontsize=10)
-        axis.set_xlabel("time [frames]", fontsize=9)
+        axis.set(title=f"{scene.name} (every {scene.every}th kept)", xlabel="time [frames]")
         axis.set_ylim(bottom=0)
-    axes[0, 0].set_ylabel("onsets of triangle pairs", fontsize=9)
     legend(figure, axes)
     return figure
 

@@ -9,7 +9,7 @@ import sys
 
 sys.dont_write_bytecode = True  # beside programs there is no place for it
 # pylint: disable=wrong-import-position
-from plot_trade import BACKENDS, STYLES, Measured, draw, legend, log_axis, panels
+from plot_trade import BACKENDS, STYLES, Measured, draw, legend, log_scale, scene_panels
 
 
 class Scene(Measured):
@@ -34,11 +34,8 @@ def plot_times(axis, scene):
     for row in scene.others:
         if row["way"] == "fcl":
             axis.axhline(float(row["median_us"]), color="black", linestyle="--", label="fcl, touch")
-    axis.set_xscale("log")
-    axis.set_yscale("log")
-    log_axis(axis.yaxis)
-    axis.set_title(scene.name, fontsize=10)
-    axis.set_xlabel("states at once", fontsize=9)
+    log_scale(axis, "y")
+    axis.set(xscale="log", xlabel="states at once")
 
 
 def plot_errors(axis, scene):
@@ -55,12 +52,10 @@ def plot_errors(axis, scene):
 
 
 def plot_states(scenes):
-    figure, axes = panels(2, len(scenes))
+    figure, axes = scene_panels(scenes, ("time of a state [us]", "states [%]"))
     for column, scene in enumerate(scenes):
         plot_times(axes[0, column], scene)
         plot_errors(axes[1, column], scene)
-    axes[0, 0].set_ylabel("time of a state [us]", fontsize=9)
-    axes[1, 0].set_ylabel("states [%]", fontsize=9)
     legend(figure, axes)
     return figure
 

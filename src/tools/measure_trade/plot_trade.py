@@ -15,6 +15,10 @@ import sys
 try:
     import matplotlib
     matplotlib.use("Agg")
+    matplotlib.rcParams.update({
+        "figure.constrained_layout.use": True, "axes.grid": True, "grid.alpha": 0.3,
+        "axes.titlesize": 10, "axes.labelsize": 9, "xtick.labelsize": 8, "ytick.labelsize": 8,
+        "legend.fontsize": 8, "legend.frameon": False})
     from matplotlib import pyplot, ticker
 except ImportError:
     sys.exit(f"plot_trade.py: {sys.executable} has no matplotlib; "
@@ -67,27 +71,27 @@ def numbers(rows, key, factor=1):
 
 
 def panels(rows, columns, **options):
-    figure, axes = pyplot.subplots(rows, columns, squeeze=False, constrained_layout=True,
-                                   figsize=(WIDTH * max(columns, 1.6), HEIGHT * rows), **options)
-    for axis in axes.flat:
-        axis.grid(alpha=0.3)
-        axis.tick_params(labelsize=8)
-    return figure, axes
+    return pyplot.subplots(rows, columns, squeeze=False,
+                           figsize=(WIDTH * max(columns, 1.6), HEIGHT * rows), **options)
 
 
-def scene_panels(scenes):
-    """Two rows, a column a scene."""
-    figure, axes = panels(2, len(scenes), sharex="col")
+def scene_panels(scenes, y_labels, **options):
+    """A row for each label, a column a scene."""
+    figure, axes = panels(len(y_labels), len(scenes), **options)
     for axis, scene in zip(axes[0], scenes):
-        axis.set_title(scene.name, fontsize=10)
+        axis.set_title(scene.name)
+    for axis, label in zip(axes[:, 0], y_labels):
+        axis.set_ylabel(label)
     return figure, axes
 
 
-def log_axis(axis):
-    """With plain numbers at 1, 2, 5."""
-    axis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5)))
-    axis.set_major_formatter(ticker.StrMethodFormatter("{x:g}"))
-    axis.set_minor_formatter(ticker.NullFormatter())
+def log_scale(axes, names):
+    """Makes axes logarithmic, "x", "y" or "xy", with plain numbers at 1, 2, 5."""
+    for name in names:
+        axes.set(**{name + "scale": "log"})
+        getattr(axes, name + "axis").set(
+            major_locator=ticker.LogLocator(subs=(1, 2, 5)), minor_formatter=ticker.NullFormatter(),
+            major_formatter=ticker.StrMethodFormatter("{x:g}"))
 
 
 def legend(figure, axes):
@@ -97,7 +101,7 @@ def legend(figure, axes):
         for handle, label in zip(*axis.get_legend_handles_labels()):
             entries.setdefault(label, handle)
     figure.legend(entries.values(), entries.keys(), loc="upper center", bbox_to_anchor=(0.5, 0),
-                  ncol=min(len(entries), 6 if axes.shape[1] > 2 else 2), fontsize=8, frameon=False)
+                  ncol=min(len(entries), 6 if axes.shape[1] > 2 else 2))
 
 
 def percent_axis(axis, values):
@@ -117,7 +121,7 @@ def rising(rows):
 
 
 def plot_accuracy(scenes):
-    figure, axes = scene_panels(scenes)
+    figure, axes = scene_panels(scenes, ("worst recall [%]", "worst precision [%]"), sharex="col")
     for column, scene in enumerate(scenes):
         for axis, rate in zip(axes[:, column], (recall, lambda row: float(row["precision_worst"]))):
             for backend in scene.backends:
@@ -131,18 +135,16 @@ def plot_accuracy(scenes):
         axes[0, column].plot(numbers(front, "median_ms"), [100 * recall(row) for row in front],
                              ".-", color="black", linewidth=0.8, markersize=3,
                              label="Pareto front")
-        axes[1, column].set_xlabel("median time [ms]", fontsize=9)
-        axes[1, column].set_xscale("log")
-        log_axis(axes[1, column].xaxis)
-    axes[0, 0].set_ylabel("worst recall [%]", fontsize=9)
-    axes[1, 0].set_ylabel("worst precision [%]", fontsize=9)
+        axes[1, column].set_xlabel("median time [ms]")
+        log_scale(axes[1, column], "x")
     legend(figure, axes)
     return figure
 
 
 def plot_work(scenes):
     """By the strictest predicates: others change what candidates become, not which there are."""
-    figure, axes = scene_panels(scenes)
+    figure, axes = scene_panels(scenes, ("candidates per triangle", "clusters per triangle"),
+                                sharex="col")
     for column, scene in enumerate(scenes):
         rows = scene.usual(backend=scene.backends[0], predicates=scene.rows[0]["predicates"])
         counts = sorted({row["clusters"] for row in rows}, key=int)
@@ -155,9 +157,7 @@ def plot_work(scenes):
                                  ("candidates_per_triangle", "clusters_per_triangle")):
                 axis.plot(numbers(line, "overlap"), numbers(line, key), "o-", color=colour,
                           markersize=3, linewidth=1, label=label)
-        axes[1, column].set_xlabel("overlap", fontsize=9)
-    axes[0, 0].set_ylabel("candidates per triangle", fontsize=9)
-    axes[1, 0].set_ylabel("clusters per triangle", fontsize=9)
+        axes[1, column].set_xlabel("overlap")
     legend(figure, axes)
     return figure
 
@@ -170,8 +170,7 @@ def plot_lines(scenes, lines, x_label, y_label):
         for label, style, x, y in lines(scene):
             axis.plot(x, y, style, color=f"C{place}", markersize=4, linewidth=1,
                       label=f"{scene.name}: {label}")
-    axis.set_xlabel(x_label, fontsize=9)
-    axis.set_ylabel(y_label, fontsize=9)
+    axis.set(xlabel=x_label, ylabel=y_label)
     legend(figure, axes)
     return figure, axis
 
@@ -188,10 +187,7 @@ def plot_clusters(scenes):
                    numbers(rows, "clusters_used"), numbers(rows, "median_ms"))
 
     figure, axis = plot_lines(scenes, lines, "clusters", "median time [ms]")
-    axis.set_xscale("log")
-    axis.set_yscale("log")
-    log_axis(axis.xaxis)
-    log_axis(axis.yaxis)
+    log_scale(axis, "xy")
     return figure
 
 
