@@ -103,59 +103,6 @@ std::string meshSizeProblem(std::uint64_t bytes, std::size_t max_bytes) {
   return "the mesh has " + std::to_string(bytes) + " bytes, more than max_mesh_mib allows";
 }
 
-std::uint64_t byteCount(const DeformableMesh& message) {
-  return std::uint64_t{message.header.frame_id.size()} + message.object.size() +
-         kWord * (std::uint64_t{message.vertices.size()} + message.triangles.size());
-}
-
-std::uint64_t byteCount(const shape_msgs::Mesh& message) {
-  return 3 * kWord * std::uint64_t{message.triangles.size()} +
-         kPointBytes * std::uint64_t{message.vertices.size()};
-}
-
-std::uint64_t byteCount(const visualization_msgs::Marker& message) {
-  return kPointBytes * std::uint64_t{message.points.size()} +
-         kColorBytes * std::uint64_t{message.colors.size()} + message.header.frame_id.size() +
-         message.ns.size() + message.text.size() + message.mesh_resource.size();
-}
-
-std::uint64_t byteCount(const visualization_msgs::MarkerArray& message) {
-  std::uint64_t bytes = 0;
-  for (const visualization_msgs::Marker& marker : message.markers) {
-    bytes += kLeastMarkerBytes + byteCount(marker);
-  }
-  return bytes;
-}
-
-std::uint64_t byteCount(const sensor_msgs::PointCloud2& message) {
-  return message.header.frame_id.size() + kLeastFieldBytes * std::uint64_t{message.fields.size()} +
-         message.data.size();
-}
-
-std::uint64_t byteCount(const geometry_msgs::PoseArray& message) {
-  return message.header.frame_id.size() + kPoseBytes * std::uint64_t{message.poses.size()};
-}
-
-#ifdef DCM_HAS_NAV_MSGS
-std::uint64_t byteCount(const nav_msgs::Path& message) {
-  std::uint64_t bytes = message.header.frame_id.size();
-  for (const geometry_msgs::PoseStamped& pose : message.poses) {
-    bytes += kLeastStampedPoseBytes + pose.header.frame_id.size();
-  }
-  return bytes;
-}
-#endif
-
-#ifdef DCM_HAS_PCL_MSGS
-std::uint64_t byteCount(const pcl_msgs::PolygonMesh& message) {
-  std::uint64_t bytes = message.header.frame_id.size() + byteCount(message.cloud);
-  for (const pcl_msgs::Vertices& polygon : message.polygons) {
-    bytes += kWord * (1 + std::uint64_t{polygon.vertices.size()});
-  }
-  return bytes;
-}
-#endif
-
 ros::Time stampIn(const std::uint8_t* bytes, std::size_t size) {
   WireWalker walk(bytes, size);
   walk.word("header.seq");

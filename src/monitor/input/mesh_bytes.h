@@ -3,6 +3,8 @@
 
 #include <deformable_contact_monitor/DeformableMesh.h>
 #include <geometry_msgs/PoseArray.h>
+#include <ros/message_traits.h>
+#include <ros/serialization.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <shape_msgs/Mesh.h>
 #include <visualization_msgs/Marker.h>
@@ -11,34 +13,53 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "monitor/input/optional_messages.h"
 
 namespace deformable_contact_monitor {
 
 // Returns why `size` bytes are not exactly one serialized M of at most `max_bytes`; empty: they
-// are. Allocates nothing for what the message claims to hold. M is one of the types that
-// byteCount() takes. Any thread.
+// are. Allocates nothing for what the message claims to hold. M is one of the types whose headers
+// are included here. Any thread.
 template <typename M>
 std::string validateMeshBytes(const std::uint8_t* bytes, std::size_t size, std::size_t max_bytes);
 
 // Returns why a mesh of that many bytes is too large; empty: it is not.
 std::string meshSizeProblem(std::uint64_t bytes, std::size_t max_bytes);
 
-// Returns the bytes of a message's arrays and strings. They count against the limit where a message
-// comes from the same process, and so was never serialized.
-std::uint64_t byteCount(const DeformableMesh& message);
-std::uint64_t byteCount(const shape_msgs::Mesh& message);
-std::uint64_t byteCount(const visualization_msgs::Marker& message);
-std::uint64_t byteCount(const visualization_msgs::MarkerArray& message);
-std::uint64_t byteCount(const sensor_msgs::PointCloud2& message);
-std::uint64_t byteCount(const geometry_msgs::PoseArray& message);
-#ifdef DCM_HAS_NAV_MSGS
-std::uint64_t byteCount(const nav_msgs::Path& message);
-#endif
-#ifdef DCM_HAS_PCL_MSGS
-std::uint64_t byteCount(const pcl_msgs::PolygonMesh& message);
-#endif
+// Adds up the bytes of the fields that a message's serializer hands to it. In 64 bits, unlike
+// roscpp's own count, which wraps for a message too large to be sent.
+struct ByteCounter {
+  std::uint64_t bytes = 0;
+
+  template <typename T>
+  void next(const T& field) {
+    if constexpr (ros::message_traits::IsMessage<T>::value) {
+      ros::serialization::Serializer<T>::template allInOne<ByteCounter, const T&>(*this, field);
+    } else {
+      bytes += ros::serialization::serializationLength(field);
+    }
+  }
+  template <typename T>
+  void next(const std::vector<T>& fields) {
+    bytes += sizeof(std::uint32_t);
+    if constexpr (ros::message_traits::IsFixedSize<T>::value) {
+      bytes += std::uint64_t{fields.size()} * ros::serialization::serializationLength(T());
+    } else {
+      for (const T& field : fields) next(field);
+    }
+  }
+};
+
+// Returns the bytes of a serialized message. They count against the limit where a message comes
+// from the same process, and so was never serialized.
+template <typename M>
+std::uint64_t byteCount(const M& message) {
+  ByteCounter counter;
+  counter.next(message);
+  return counter.bytes;
+}
 
 // Returns the stamp of the header that the bytes begin with; zero if they are too few.
 ros::Time stampIn(const std::uint8_t* bytes, std::size_t size);
