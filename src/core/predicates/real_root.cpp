@@ -120,7 +120,7 @@ void addSimpleRoots(const Polynomial& f, std::vector<RealRoot>& roots) {
 
 // Returns floor(2^24 t).
 std::int64_t in24Bits(const Dyadic& t) {
-  return t.m <= 24 ? (t.k << (24 - t.m)).floored(0) : t.k.floored(t.m - 24);
+  return static_cast<std::int64_t>(t.m <= 24 ? t.k << (24 - t.m) : t.k >> (t.m - 24));
 }
 
 float from24Bits(std::int64_t value) { return std::ldexp(static_cast<float>(value), -24); }

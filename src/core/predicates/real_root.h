@@ -6,12 +6,16 @@
 #pragma once
 
 #include <array>
+#include <boost/multiprecision/cpp_int.hpp>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
-#include "core/predicates/growing_integer.h"
-
 namespace deformable_contact_monitor {
+
+// An integer of any size. Values of at most 512 bits need no memory beside it.
+using GrowingInteger = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<512>,
+                                                     boost::multiprecision::et_off>;
 
 struct Polynomial {
   int degree = -1;                  // the degree of zero
