@@ -5,14 +5,8 @@
 namespace deformable_contact_monitor {
 
 const char* toString(BackendChoice choice) {
-  switch (choice) {
-    case BackendChoice::kCuda:
-      return "cuda";
-    case BackendChoice::kCpu:
-      return "cpu";
-    default:
-      return "auto";
-  }
+  constexpr const char* kNames[] = {"auto", "cuda", "cpu"};
+  return kNames[static_cast<std::size_t>(choice)];
 }
 
 BackendChoice toBackendChoice(const std::string& name) {

@@ -40,16 +40,8 @@ PairDecision decide(const BodyDistance& distance, const Scene& scene, float tole
 }
 
 const char* toString(PairDecision decision) {
-  switch (decision) {
-    case PairDecision::kNone:
-      return "none";
-    case PairDecision::kNear:
-      return "near";
-    case PairDecision::kContact:
-      return "contact";
-    default:
-      return "unknown";
-  }
+  constexpr const char* kNames[] = {"none", "near", "contact", "unknown"};
+  return kNames[static_cast<std::size_t>(decision)];
 }
 
 }  // namespace deformable_contact_monitor

@@ -53,14 +53,8 @@ const char* toString(AdjacentPairs adjacent) {
 }
 
 const char* toString(Predicates predicates) {
-  switch (predicates) {
-    case Predicates::kConservative:
-      return "conservative";
-    case Predicates::kFast:
-      return "fast";
-    default:
-      return "exact";
-  }
+  constexpr const char* kNames[] = {"exact", "conservative", "fast"};
+  return kNames[static_cast<std::size_t>(predicates)];
 }
 
 Predicates toPredicates(const std::string& name) {

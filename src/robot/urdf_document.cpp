@@ -137,23 +137,12 @@ bool mentions(const std::string& text, const std::string& name) {
          text.find("'" + name + "'") != std::string::npos;
 }
 
+// The types are in the order of those of urdfdom.
 RobotJoint::Type typeOf(const urdf::Joint& joint) {
-  switch (joint.type) {
-    case urdf::Joint::FIXED:
-      return RobotJoint::Type::kFixed;
-    case urdf::Joint::REVOLUTE:
-      return RobotJoint::Type::kRevolute;
-    case urdf::Joint::CONTINUOUS:
-      return RobotJoint::Type::kContinuous;
-    case urdf::Joint::PRISMATIC:
-      return RobotJoint::Type::kPrismatic;
-    case urdf::Joint::PLANAR:
-      return RobotJoint::Type::kPlanar;
-    case urdf::Joint::FLOATING:
-      return RobotJoint::Type::kFloating;
-    default:
-      return RobotJoint::Type::kUnknown;
-  }
+  using Type = RobotJoint::Type;
+  constexpr Type kTypes[] = {Type::kUnknown,  Type::kRevolute, Type::kContinuous, Type::kPrismatic,
+                             Type::kFloating, Type::kPlanar,   Type::kFixed};
+  return kTypes[joint.type];
 }
 
 // Converts a joint of urdfdom. It reads limits of a continuous joint, which mean nothing.

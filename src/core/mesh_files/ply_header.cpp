@@ -130,18 +130,8 @@ void addProperty(const MeshText& text, const PlyProperty& property, PlyElement* 
 }  // namespace
 
 std::size_t sizeOf(PlyType type) {
-  switch (type) {
-    case PlyType::kInt8:
-    case PlyType::kUint8:
-      return 1;
-    case PlyType::kInt16:
-    case PlyType::kUint16:
-      return 2;
-    case PlyType::kDouble:
-      return 8;
-    default:
-      return 4;
-  }
+  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<std::size_t>(type)];
 }
 
 PlyHeader readPlyHeader(const std::string& path, std::string_view content) {

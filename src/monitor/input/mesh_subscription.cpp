@@ -128,29 +128,24 @@ ros::SubscribeOptions adaptedSubscription(const std::string& topic, std::size_t 
 
 }  // namespace
 
+// The names are in the order of MeshType.
 const char* messageType(MeshType type) {
-  switch (type) {
-    case MeshType::kShapeMesh:
-      return ros::message_traits::datatype<shape_msgs::Mesh>();
-    case MeshType::kMarker:
-    case MeshType::kPolylineMarker:
-      return ros::message_traits::datatype<visualization_msgs::Marker>();
-    case MeshType::kPointCloud:
-    case MeshType::kTetrahedra:
-    case MeshType::kPoints:
-    case MeshType::kPolyline:
-      return ros::message_traits::datatype<sensor_msgs::PointCloud2>();
-    case MeshType::kMarkerArray:
-      return ros::message_traits::datatype<visualization_msgs::MarkerArray>();
-    case MeshType::kPolygonMesh:
-      return "pcl_msgs/PolygonMesh";
-    case MeshType::kPolylinePoses:
-      return ros::message_traits::datatype<geometry_msgs::PoseArray>();
-    case MeshType::kPolylinePath:
-      return "nav_msgs/Path";
-    default:
-      return ros::message_traits::datatype<DeformableMesh>();
-  }
+  using ros::message_traits::datatype;
+  const char* const cloud = datatype<sensor_msgs::PointCloud2>();
+  const char* const marker = datatype<visualization_msgs::Marker>();
+  const char* const types[kMeshTypes] = {datatype<DeformableMesh>(),
+                                         datatype<shape_msgs::Mesh>(),
+                                         marker,
+                                         cloud,
+                                         datatype<visualization_msgs::MarkerArray>(),
+                                         cloud,
+                                         "pcl_msgs/PolygonMesh",
+                                         cloud,
+                                         cloud,
+                                         datatype<geometry_msgs::PoseArray>(),
+                                         "nav_msgs/Path",
+                                         marker};
+  return types[static_cast<std::size_t>(type)];
 }
 
 ros::SubscribeOptions meshSubscription(const std::string& topic, const ObjectParameters& object,

@@ -75,18 +75,8 @@ std::vector<std::string> namesOf(const PairClasses& classes) {
 }
 
 const char* toString(RuleSource source) {
-  switch (source) {
-    case RuleSource::kParameters:
-      return "parameters";
-    case RuleSource::kService:
-      return "service";
-    case RuleSource::kAttached:
-      return "attached";
-    case RuleSource::kSrdf:
-      return "srdf";
-    default:
-      return "default";
-  }
+  constexpr const char* kNames[] = {"default", "parameters", "service", "attached", "srdf"};
+  return kNames[static_cast<std::size_t>(source)];
 }
 
 // Returns the key of a rule.

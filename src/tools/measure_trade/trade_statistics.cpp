@@ -139,14 +139,8 @@ std::vector<bool> paretoFront(const std::vector<Worth>& settings) {
 
 // The steps of 2 between predicates are larger than any overlap, which is at most 1.
 double strictness(const Options& options) {
-  switch (options.predicates) {
-    case Predicates::kExact:
-      return 4.0 + static_cast<double>(options.overlap);
-    case Predicates::kConservative:
-      return 2.0 + static_cast<double>(options.overlap);
-    default:
-      return static_cast<double>(options.overlap);
-  }
+  constexpr double kSteps[] = {4, 2, 0};  // kExact, kConservative, kFast
+  return kSteps[static_cast<std::size_t>(options.predicates)] + double{options.overlap};
 }
 
 // The figure itself need not be one of the repeats' figures.
