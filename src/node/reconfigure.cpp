@@ -10,62 +10,52 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Returns `value` if it is finite; else adds a line to `rejected` and returns `in_force`.
-// dynamic_reconfigure's server clamps all other numbers to the ranges of ContactMonitor.cfg.
-double usable(const char* name, double value, double in_force, std::vector<std::string>* rejected) {
-  if (std::isfinite(value)) return value;
-  rejected->push_back(std::string(name) + " must be finite");
-  return in_force;
-}
-
-PairClasses classesOf(const ContactMonitorConfig& config) {
-  return {config.robot_deformable, config.deformable_deformable, config.deformable_self,
-          config.robot_self,       config.deformable_rigid,      config.robot_rigid};
+// Calls visit(name, value, its field of the config) for each parameter but the predicates, which
+// are a text there.
+template <class Live, class Config, class Visit>
+void forEach(Live& live, Config& config, const Visit& visit) {
+  auto& classes = live.pair_classes;
+  visit("margin_m", live.margin_m, config.margin_m);
+  visit("near_pairs", live.near_pairs, config.near_pairs);
+  visit("max_rate_hz", live.max_rate_hz, config.max_rate_hz);
+  visit("robot_rate_hz", live.robot_rate_hz, config.robot_rate_hz);
+  visit("marker_rate_hz", live.marker_rate_hz, config.marker_rate_hz);
+  visit("robot_deformable", classes.robot_deformable, config.robot_deformable);
+  visit("deformable_deformable", classes.deformable_deformable, config.deformable_deformable);
+  visit("deformable_self", classes.deformable_self, config.deformable_self);
+  visit("robot_self", classes.robot_self, config.robot_self);
+  visit("deformable_rigid", classes.deformable_rigid, config.deformable_rigid);
+  visit("robot_rigid", classes.robot_rigid, config.robot_rigid);
+  visit("overlap", live.overlap, config.overlap);
+  visit("clusters", live.clusters, config.clusters);
+  visit("iterations", live.iterations, config.iterations);
+  visit("refresh_period", live.refresh_period, config.refresh_period);
 }
 
 }  // namespace
 
 void fill(const LiveParameters& live, ContactMonitorConfig* config) {
-  config->margin_m = live.margin_m;
-  config->near_pairs = live.near_pairs;
-  config->max_rate_hz = live.max_rate_hz;
-  config->robot_rate_hz = live.robot_rate_hz;
-  config->marker_rate_hz = live.marker_rate_hz;
-  config->robot_deformable = live.pair_classes.robot_deformable;
-  config->deformable_deformable = live.pair_classes.deformable_deformable;
-  config->deformable_self = live.pair_classes.deformable_self;
-  config->robot_self = live.pair_classes.robot_self;
-  config->deformable_rigid = live.pair_classes.deformable_rigid;
-  config->robot_rigid = live.pair_classes.robot_rigid;
+  forEach(live, *config, [](const char*, const auto& value, auto& field) { field = value; });
   config->predicates = toString(live.predicates);
-  config->overlap = live.overlap;
-  config->clusters = live.clusters;
-  config->iterations = live.iterations;
-  config->refresh_period = live.refresh_period;
 }
 
-// Starts from the values of the request and replaces those that cannot be used.
+// Keeps the values in force where those of the request cannot be used. dynamic_reconfigure's server
+// clamps finite numbers to the ranges of ContactMonitor.cfg.
 LiveParameters fromConfig(const ContactMonitorConfig& config, const LiveParameters& in_force,
                           bool has_robot, std::vector<std::string>* rejected) {
-  LiveParameters live;
-  live.margin_m = usable("margin_m", config.margin_m, in_force.margin_m, rejected);
-  live.near_pairs = config.near_pairs;
-  live.max_rate_hz = usable("max_rate_hz", config.max_rate_hz, in_force.max_rate_hz, rejected);
-  live.robot_rate_hz =
-      usable("robot_rate_hz", config.robot_rate_hz, in_force.robot_rate_hz, rejected);
-  live.marker_rate_hz =
-      usable("marker_rate_hz", config.marker_rate_hz, in_force.marker_rate_hz, rejected);
-  live.overlap = usable("overlap", config.overlap, in_force.overlap, rejected);
-  live.clusters = config.clusters;
-  live.iterations = config.iterations;
-  live.refresh_period = config.refresh_period;
-  live.predicates = in_force.predicates;
+  LiveParameters live = in_force;
+  forEach(live, config, [rejected](const char* name, auto& value, const auto& field) {
+    if (std::isfinite(static_cast<double>(field))) {
+      value = field;
+    } else {
+      rejected->push_back(std::string(name) + " must be finite");
+    }
+  });
   try {
     live.predicates = toPredicates(config.predicates);
   } catch (const std::invalid_argument& error) {
     rejected->push_back(std::string("predicates: ") + error.what());
   }
-  live.pair_classes = classesOf(config);
   if (!has_robot && live.pair_classes.needRobot()) {
     rejected->push_back(
         "robot_deformable, robot_self and robot_rigid need the robot, which is loaded at start "
