@@ -156,7 +156,7 @@ PlayedObject playedObject(const SceneObject& settings, const BagSetup& setup) {
       settings.frame.empty() ? setup.parameters.reference_frame : plainFrame(settings.frame);
   played.rate_hz = settings.rate_hz;
   const RobotGeometry& robot = setup.robots.front().value;
-  played.next = settings.simulated.empty()
+  played.next = settings.shape.object.empty()
                     ? makeFileSource(settings, [](std::size_t) {})
                     : makeSoftSource(settings, makeSoftWorld(settings, robot));
   return played;

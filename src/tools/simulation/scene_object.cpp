@@ -44,7 +44,7 @@ std::vector<MeshFrame> readMeshFrames(const std::vector<std::string>& paths, dou
 void describe(CommandLine* line, SceneObject* object) {
   line->addWords("--meshes", &object->meshes,
                  "mesh files (OBJ, PLY, STL, OFF) to play in this order");
-  line->add("--object", &object->simulated,
+  line->add("--object", &object->shape.object,
             "simulate this, and let the robot push it: cloth, rope, volume, or a mesh file; not "
             "with --meshes");
   line->refuseTogether("--object", "--meshes");
@@ -54,17 +54,17 @@ void describe(CommandLine* line, SceneObject* object) {
             "frame of the vertices, which should stand still if the object is simulated (default: "
             "the robot's root link)");
   line->add("--rate", &object->rate_hz, "messages a second [Hz]", inRange(0.1, 1000.0));
-  line->add("--scale", &object->scale,
+  line->add("--scale", &object->shape.size_m,
             "files: factor to metres; cloth: length of its edge [m]; rope: its length; volume: its "
             "diameter",
             isPositive());
   line->addNumbers("--offset", &object->offset,
                    "x y z [m]: files: added after scaling; cloth: middle of its first edge; rope: "
                    "its first end; volume: its middle");
-  line->add("--seed", &object->seed, "seed of small random differences");
-  line->add("--vertices", &object->vertices, "about how many a cloth, rope or volume has",
+  line->add("--seed", &object->shape.seed, "seed of small random differences");
+  line->add("--vertices", &object->shape.vertices, "about how many a cloth, rope or volume has",
             inRange(2, 100000));
-  line->add("--pinned", &object->pinned, "what never moves of what is simulated",
+  line->add("--pinned", &object->shape.pinned, "what never moves of what is simulated",
             oneOf({"edge", "corners", "none"}));
   line->add("--radius", &object->radius_m, "of a rope [m]", isPositive());
   line->add("--margin", &object->margin_m,
@@ -76,13 +76,8 @@ void describe(CommandLine* line, SceneObject* object) {
 
 std::shared_ptr<SoftWorld> makeSoftWorld(const SceneObject& object, const RobotGeometry& robot) {
 #ifdef DCM_WITH_BULLET
-  SoftShapeOptions shape;
-  shape.object = object.simulated;
-  shape.pinned = object.pinned;
-  shape.vertices = object.vertices;
-  shape.size_m = object.scale;
+  SoftShapeOptions shape = object.shape;
   shape.offset = Eigen::Vector3d::Map(object.offset.data());
-  shape.seed = object.seed;
   SoftWorldOptions options;
   options.step_s = object.step_s;
   options.margin_m = object.isRope() ? object.radius_m : object.margin_m;
@@ -94,7 +89,7 @@ std::shared_ptr<SoftWorld> makeSoftWorld(const SceneObject& object, const RobotG
   return world;
 #else
   (void)robot;
-  throw std::runtime_error("--object " + object.simulated +
+  throw std::runtime_error("--object " + object.shape.object +
                            ": this program was built without Bullet, so it cannot simulate");
 #endif
 }
@@ -102,7 +97,7 @@ std::shared_ptr<SoftWorld> makeSoftWorld(const SceneObject& object, const RobotG
 MeshSource makeFileSource(const SceneObject& object,
                           const std::function<void(std::size_t)>& progress) {
   std::vector<MeshFrame> frames = readMeshFrames(
-      object.meshes, object.scale, Eigen::Vector3d::Map(object.offset.data()), progress);
+      object.meshes, object.shape.size_m, Eigen::Vector3d::Map(object.offset.data()), progress);
   return [frames = std::move(frames), loop = object.loop,
           next = std::size_t{0}](const LinkPose& /*pose_of*/) mutable -> std::optional<MeshFrame> {
     if (next == frames.size()) {

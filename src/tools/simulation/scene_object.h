@@ -16,6 +16,7 @@
 #include "core/triangle_mesh.h"
 #include "robot/robot_geometry.h"
 #include "tools/common/command_line.h"
+#include "tools/simulation/soft_shape.h"
 
 namespace deformable_contact_monitor {
 
@@ -40,24 +41,22 @@ std::vector<MeshFrame> readMeshFrames(const std::vector<std::string>& paths, dou
 // The options of a deforming object.
 struct SceneObject {
   std::vector<std::string> meshes;  // files to play; empty: simulate, or no object
-  std::string simulated;            // cloth, rope, volume or a file; empty: nothing
-  bool loop = false;                // play the files again and again
+  // What is simulated, nothing if shape.object is empty. Its size is the scale of files too, and
+  // its offset is the one below.
+  SoftShapeOptions shape{""};
+  bool loop = false;  // play the files again and again
   std::string name = "cloth";
   std::string frame;  // of the vertices; empty: the robot's root link
   double rate_hz = 30;
-  double scale = 1;                        // of files; size of what is simulated [m]
   std::vector<double> offset = {0, 0, 0};  // added to vertices [m]; place of what is simulated
-  std::uint32_t seed = 1;                  // of small unevenness
   // Of what is simulated:
-  int vertices = 900;           // about
-  std::string pinned = "edge";  // edge, corners or none
-  double radius_m = 0.01;       // of a rope
-  double margin_m = 0.001;      // Bullet's, of all but a rope
-  double step_s = 1 / 240.;     // longest step of the simulation
+  double radius_m = 0.01;    // of a rope
+  double margin_m = 0.001;   // Bullet's, of all but a rope
+  double step_s = 1 / 240.;  // longest step of the simulation
   std::optional<double> floor_m;
 
-  bool isWanted() const { return !meshes.empty() || !simulated.empty(); }
-  bool isRope() const { return simulated == "rope"; }
+  bool isWanted() const { return !meshes.empty() || !shape.object.empty(); }
+  bool isRope() const { return shape.object == "rope"; }
 };
 
 // Adds these options to the command line.

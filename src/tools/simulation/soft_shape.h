@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "core/triangle_mesh.h"
-
 namespace deformable_contact_monitor {
 
 // A distance between two nodes that the object tries to keep.

@@ -209,12 +209,12 @@ SoftScene::SoftScene(const Settings& s, ros::NodeHandle* node) : s_(s), node_(no
     });
   }
   const bool moves = s.joints || script_;
-  if (moves || !object.simulated.empty()) robot_ = findRobot(s, node);
+  if (moves || !object.shape.object.empty()) robot_ = findRobot(s, node);
   if (moves && !robot_) {
     throw std::runtime_error(
         "--joints and --motion need the parameter robot_description, or --robot");
   }
-  if (!object.simulated.empty()) {
+  if (!object.shape.object.empty()) {
     world_ = makeSoftWorld(object, robot_ ? robot_->geometry : RobotGeometry());
     source_ = makeSoftSource(object, world_);
     grasp_.emplace(object, s.monitor, world_.get());
@@ -222,7 +222,7 @@ SoftScene::SoftScene(const Settings& s, ros::NodeHandle* node) : s_(s), node_(no
   const std::string frame =
       !object.frame.empty() ? object.frame : (robot_ ? robot_->geometry.root_link : "base_link");
   if (s.joints) {
-    const auto mover = std::make_shared<JointMover>(robot_->geometry.joints, object.seed);
+    const auto mover = std::make_shared<JointMover>(robot_->geometry.joints, object.shape.seed);
     moved_ =
         MovedJoints{mover->names(), [mover](double time_s) { return mover->positions(time_s); }};
   } else if (script_) {
