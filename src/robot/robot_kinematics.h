@@ -36,8 +36,6 @@ class JointMotion {
   JointMotion& operator=(JointMotion&&) noexcept;
   ~JointMotion();
 
-  std::size_t jointCount() const { return limits_.size(); }
-
   // Returns the links that the joints move, each after the link that carries it.
   const std::vector<std::string>& movedLinks() const { return moved_; }
   // Returns the links whose present poses must be known. Of a chain that moves as a whole this is

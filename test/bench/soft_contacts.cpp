@@ -318,7 +318,7 @@ int main(int argc, char** argv) {
   if (csv != nullptr) {
     std::fprintf(csv, "scene,step_s,time_s,touching,missed,listed,apart,between,unseen\n");
   }
-  std::printf("Bullet %s\n", dcm::SoftWorld::bulletVersion().c_str());
+  std::printf("Bullet %d.%d\n", btGetVersion() / 100, btGetVersion() % 100);
   std::printf("| scene | step [s] | touching triangles | not listed | listed vertices | apart ");
   std::printf("| median, largest gap [mm] | only within a step | not listed | own pairs |\n");
   std::printf("|---|---|---|---|---|---|---|---|---|---|\n");

@@ -121,11 +121,6 @@ std::string Guard::missingBody() const {
   return "";
 }
 
-std::optional<ClosingEstimate> Guard::closing(const ContactState& state) const {
-  const auto found = closing_.find({state.body_a, state.body_b});
-  return found == closing_.end() ? std::nullopt : found->second.estimate();
-}
-
 // Returns the smaller one of the scales by distance and by time. A pair that certainly leaves slows
 // nothing. After a turn by receding_m the scale by distance alone is lifted, because a pair may
 // approach again before it has turned back by as much.

@@ -52,8 +52,6 @@ class Guard {
   bool isLatched() const { return latched_; }
   // Returns the least certain distance of the pairs that count [m]; 0 if one of them is unknown.
   double nearest(const ros::Time& now) const;
-  // Returns the closing speed of a pair [m/s], as it was measured; nothing if it is not known.
-  std::optional<ClosingEstimate> closing(const ContactState& state) const;
 
  private:
   // The names of a pair's bodies, in the order of the message.

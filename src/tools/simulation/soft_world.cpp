@@ -293,10 +293,6 @@ void SoftWorld::restart() {
   undone_ = 0;
 }
 
-std::string SoftWorld::bulletVersion() {
-  return std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100);
-}
-
 void SoftWorld::addLink(const std::string& name, const TriangleMesh& mesh) {
   for (auto& hull : linkHulls(mesh)) addPiece(name, std::move(hull));
 }

@@ -54,9 +54,6 @@ class SoftWorld {
   SoftWorld(const SoftWorld&) = delete;
   SoftWorld& operator=(const SoftWorld&) = delete;
 
-  // Returns Bullet's version, for example "3.24".
-  static std::string bulletVersion();
-
   // Adds a link. It pushes nothing before its pose is known. A mesh without any finite vertex is no
   // obstacle.
   void addLink(const std::string& name, const TriangleMesh& mesh);
