@@ -6,11 +6,14 @@ config/demo.rviz and a camera that sees all. rviz gets every other argument, and
 "rviz --help" lists rviz's own options.
 """
 import argparse
+import itertools
 import math
 import os
 import re
 import sys
 import time
+
+import numpy as np
 
 HERE = os.path.dirname(os.path.realpath(__file__))
 CONFIG = os.path.join(HERE, "../config/demo.rviz")
@@ -87,20 +90,16 @@ class Look:
             except tf2_ros.TransformException:
                 complete = False
                 continue
-            found += [moved(pose, [corners[i][0], corners[j][1], corners[k][2]])
-                      for i in (0, 1) for j in (0, 1) for k in (0, 1)]
+            found += moved(pose, list(itertools.product(*zip(*corners))))
         return found, complete
 
 
-def moved(pose, p):
-    """Returns the point moved by a geometry_msgs/Transform."""
+def moved(pose, points):
+    """Returns the points moved by a geometry_msgs/Transform."""
     q, t = pose.rotation, pose.translation
-    u = [q.x, q.y, q.z]
-
-    def cross(a, b):
-        return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    once = [c + q.w * x for c, x in zip(cross(u, p), p)]
-    return [x + 2 * c + o for x, c, o in zip(p, cross(u, once), (t.x, t.y, t.z))]
+    u, points = [q.x, q.y, q.z], np.array(points)
+    once = np.cross(u, points) + q.w * points
+    return (points + 2 * np.cross(u, once) + [t.x, t.y, t.z]).tolist()
 
 
 def parse(words):

@@ -3,7 +3,7 @@
 // takes the most time and can be done in parallel. Files of links that are left out are not read.
 #include "robot/robot_geometry.h"
 
-#include <algorithm>
+#include <boost/algorithm/cxx11/any_of.hpp>
 #include <map>
 #include <sstream>
 #include <stdexcept>
@@ -95,10 +95,6 @@ class GeometryLoader {
   const std::function<bool()>& stop_;
 };
 
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 // Reads a robot's description and gives its links and joints their prefix.
 UrdfDocument readDescription(const RobotDescription& robot, GeometryKind kind) {
   UrdfDocument document;
@@ -154,7 +150,7 @@ void requireLinks(const std::vector<std::string>& names, const char* option,
   }
   std::string unknown;
   for (const std::string& name : names) {
-    if (contains(links, name)) continue;
+    if (boost::algorithm::any_of_equal(links, name)) continue;
     unknown += (unknown.empty() ? "'" : ", '") + name + "'" + nearestNameHint(name, links);
   }
   if (unknown.empty()) return;
@@ -201,8 +197,9 @@ RobotGeometry loadRobots(const std::vector<RobotDescription>& robots,
     DescribedRobot robot{documents[i].name, {}, prefixed(robots[i].srdf, robots[i].link_prefix)};
     for (const UrdfLink& link : documents[i].links) {
       robot.links.insert(link.name);
-      const bool wanted = options.links.empty() || contains(options.links, link.name);
-      if (!wanted || contains(options.ignored_links, link.name)) continue;
+      const bool wanted =
+          options.links.empty() || boost::algorithm::any_of_equal(options.links, link.name);
+      if (!wanted || boost::algorithm::any_of_equal(options.ignored_links, link.name)) continue;
       if (!link.elements.empty() || !link.problem.empty()) {
         links.push_back(&link);
       } else if (link.has_others) {

@@ -12,21 +12,18 @@ Eigen::Isometry3d toIsometry(const urdf::Pose& pose) {
          Eigen::Quaterniond(r.w, r.x, r.y, r.z);
 }
 
+using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
 RigidTransform toRigidTransform(const Eigen::Isometry3d& from) {
   RigidTransform to;
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) to.rotation[3 * r + c] = from.linear()(r, c);
-    to.translation[r] = from.translation()[r];
-  }
+  Eigen::Map<RowMajor>(to.rotation) = from.linear();
+  Eigen::Map<Eigen::Vector3d>(to.translation) = from.translation();
   return to;
 }
 
 Eigen::Isometry3d toIsometry(const RigidTransform& from) {
-  Eigen::Isometry3d to = Eigen::Isometry3d::Identity();
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) to.linear()(r, c) = from.rotation[3 * r + c];
-    to.translation()[r] = from.translation[r];
-  }
+  Eigen::Isometry3d to(Eigen::Translation3d(Eigen::Map<const Eigen::Vector3d>(from.translation)));
+  to.linear() = Eigen::Map<const RowMajor>(from.rotation);
   return to;
 }
 

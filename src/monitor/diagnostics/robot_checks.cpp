@@ -2,6 +2,7 @@
 #include "monitor/diagnostics/robot_checks.h"
 
 #include <algorithm>
+#include <boost/algorithm/cxx11/any_of.hpp>
 #include <functional>
 #include <map>
 #include <set>
@@ -12,20 +13,13 @@
 #include "robot/nearest_name.h"
 
 namespace deformable_contact_monitor {
-namespace {
-
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-}  // namespace
 
 std::string namesOfNoLink(const std::vector<std::string>& names, const RobotGeometry& robot) {
   std::vector<std::string> links;
   for (const LinkGeometry& link : robot.links) links.push_back(link.link);
   std::string missing;
   for (const std::string& name : names) {
-    if (contains(links, name)) continue;
+    if (boost::algorithm::any_of_equal(links, name)) continue;
     missing += (missing.empty() ? "'" : ", '") + name + "'" + nearestNameHint(name, links);
   }
   return missing;
@@ -42,8 +36,8 @@ RobotGeometry selectedLinks(RobotGeometry robot, const RobotGeometryOptions& opt
   const std::string missing = namesOfNoLink(options.links, robot);
   if (!missing.empty()) throw std::runtime_error("~links: " + missing + ": no such link was sent");
   const auto unwanted = [&options](const LinkGeometry& link) {
-    return (!options.links.empty() && !contains(options.links, link.link)) ||
-           contains(options.ignored_links, link.link);
+    return (!options.links.empty() && !boost::algorithm::any_of_equal(options.links, link.link)) ||
+           boost::algorithm::any_of_equal(options.ignored_links, link.link);
   };
   robot.links.erase(std::remove_if(robot.links.begin(), robot.links.end(), unwanted),
                     robot.links.end());

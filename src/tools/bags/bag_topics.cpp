@@ -3,6 +3,8 @@
 #include "tools/bags/bag_topics.h"
 
 #include <algorithm>
+#include <boost/algorithm/cxx11/any_of.hpp>
+#include <boost/algorithm/string/predicate.hpp>
 #include <stdexcept>
 
 #include "tools/bags/bag_messages.h"
@@ -11,19 +13,14 @@
 namespace deformable_contact_monitor {
 namespace {
 
+using boost::algorithm::any_of_equal;
+using boost::algorithm::ends_with;
+
 using Names = std::vector<std::string>;
 
 const char* const kDescription = "robot_description";
 const char* const kSemantic = "_semantic";
 const char* const kStatic = "_static";
-
-bool endsWith(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
-bool contains(const Names& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
 
 // Returns the names of the topics with a type that satisfies the condition.
 template <typename Condition>
@@ -48,7 +45,7 @@ class Chooser {
     bool any = false;
     for (const std::string& name : asked) {
       const std::string topic = absoluteTopic(name);
-      const bool is_there = contains(there, topic) || contains(there, topic + kStatic);
+      const bool is_there = any_of_equal(there, topic) || any_of_equal(there, topic + kStatic);
       if (!is_there && !files_.tf_topics.empty()) refuseMissing("--tf-topic", topic, there);
       topics->transforms.insert({topic, topic + kStatic});
       any |= is_there;
@@ -61,8 +58,8 @@ class Chooser {
     Names proposed = any ? asked : Names();
     for (const std::string& topic : others) {
       const bool is_implied =
-          endsWith(topic, kStatic) &&
-          contains(others, topic.substr(0, topic.size() - std::string(kStatic).size()));
+          ends_with(topic, kStatic) &&
+          any_of_equal(others, topic.substr(0, topic.size() - std::string(kStatic).size()));
       if (!is_implied) proposed.push_back(topic);
     }
     topics->other_transforms =
@@ -107,15 +104,15 @@ class Chooser {
     const Names texts = topicsOf(recorded_, isText);
     const std::string topic = absoluteTopic(description);
     topics->robots.emplace_back();
-    if (contains(texts, topic)) topics->robots.back().description = topic;
-    if (contains(texts, topic + kSemantic)) topics->robots.back().semantic = topic + kSemantic;
+    if (any_of_equal(texts, topic)) topics->robots.back().description = topic;
+    if (any_of_equal(texts, topic + kSemantic)) topics->robots.back().semantic = topic + kSemantic;
   }
 
   void chooseDescription(BagTopics::Robot* robot) const {
     const Names texts = topicsOf(recorded_, isText);
     if (!files_.robot_description_topic.empty()) {
       const std::string topic = absoluteTopic(files_.robot_description_topic);
-      if (!contains(texts, topic)) refuseMissing("--robot-description-topic", topic, texts);
+      if (!any_of_equal(texts, topic)) refuseMissing("--robot-description-topic", topic, texts);
       robot->description = topic;
       return;
     }
@@ -126,7 +123,7 @@ class Chooser {
   void chooseSemantic(BagTopics::Robot* robot) const {
     const Names there = ending(topicsOf(recorded_, isText), kSemantic);
     const std::string own = robot->description + kSemantic;
-    if (contains(there, own)) {
+    if (any_of_equal(there, own)) {
       robot->semantic = own;
     } else if (files_.srdf.empty()) {
       robot->semantic = chosen("SRDFs", "--srdf FILE (or none)", "", there);
@@ -136,7 +133,7 @@ class Chooser {
   static Names ending(const Names& names, const std::string& end) {
     Names found;
     std::copy_if(names.begin(), names.end(), std::back_inserter(found),
-                 [&end](const std::string& name) { return endsWith(name, kDescription + end); });
+                 [&end](const std::string& name) { return ends_with(name, kDescription + end); });
     return found;
   }
 
@@ -144,7 +141,7 @@ class Chooser {
   std::string chosen(const char* what, const std::string& option, const std::string& asked,
                      const Names& there) const {
     std::string topic = asked.empty() ? "" : absoluteTopic(asked);
-    if (!asked.empty() && !contains(there, topic)) refuseMissing(option, topic, there);
+    if (!asked.empty() && !any_of_equal(there, topic)) refuseMissing(option, topic, there);
     if (!asked.empty()) return topic;
     if (there.size() > 1) {
       refuse(std::string(what) + " are on " + joined(there, ", ") + ": choose with " + option);
@@ -204,7 +201,7 @@ std::map<std::string, std::string> objectTopics(const BagFiles& files) {
   return topics;
 }
 
-bool isStatic(const std::string& topic) { return endsWith(topic, kStatic); }
+bool isStatic(const std::string& topic) { return ends_with(topic, kStatic); }
 
 // The node's own topics are below its name, which is contact_monitor in recordings.
 std::string topicOf(const ObjectParameters& object) {

@@ -80,11 +80,8 @@ void evaluateCycle(CycleReport* cycle, Scene* scene, bool at_edge, Runs* runs,
     if (found.isEmpty()) continue;
     differing[comparison.b] = true;
     ++comparison.cycles;
-    comparison.only_a += found.only_a;
-    comparison.only_b += found.only_b;
-    if (comparison.example.empty()) {
-      comparison.example = "at " + stampText(cycle->header.stamp) + " " + found.example;
-    }
+    found.example = "at " + stampText(cycle->header.stamp) + " " + found.example;
+    comparison.found.add(found);
   }
   tables->add(*cycle, *runs, differing);
 }

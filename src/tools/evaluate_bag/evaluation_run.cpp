@@ -179,7 +179,7 @@ SetDifference difference(const Scene& scene, const RunSteps& a, const RunSteps& 
 std::vector<RunComparison> comparisons(const std::vector<std::unique_ptr<EvaluationRun>>& runs) {
   std::vector<RunComparison> all;
   for (std::size_t i = 1; i < runs.size(); ++i) {
-    all.push_back({0, i, isExact(*runs[0]) && isExact(*runs[i]), 0, 0, 0, ""});
+    all.push_back({0, i, isExact(*runs[0]) && isExact(*runs[i]), 0, {}});
   }
   return all;
 }

@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/analysis/containment.h"
 #include "core/detector.h"
 #include "core/tiling_cache.h"
 #include "monitor/cycle/cycle_detection.h"
@@ -110,9 +109,8 @@ struct RunComparison {
   std::size_t a = 0, b = 0;  // indices of the runs
   // Both runs are exact, so a difference is a defect. Otherwise settings may explain it.
   bool must_agree = false;
-  std::uint64_t cycles = 0;              // cycles in which they differ
-  std::uint64_t only_a = 0, only_b = 0;  // pairs, over all cycles
-  std::string example;                   // from the first cycle that differs, with its stamp
+  std::uint64_t cycles = 0;  // cycles in which they differ
+  SetDifference found;       // over all cycles; the example has the stamp of its cycle
 };
 
 // Returns a comparison of every other run with the first.

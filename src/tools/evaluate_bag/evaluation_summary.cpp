@@ -4,6 +4,7 @@
 #include "tools/evaluate_bag/evaluation_summary.h"
 
 #include <algorithm>
+#include <boost/algorithm/cxx11/any_of.hpp>
 #include <boost/uuid/name_generator_sha1.hpp>
 #include <boost/uuid/uuid_io.hpp>
 #include <nlohmann/json.hpp>
@@ -76,10 +77,6 @@ std::string advice(const std::string& reason, const BagContents& contents) {
   return "mend that, and evaluate again";
 }
 
-bool contains(const Json& list, const Json& entry) {
-  return std::find(list.begin(), list.end(), entry) != list.end();
-}
-
 // Lists the bags' topics with their types and numbers of messages.
 Json topicsJson(const BagContents& contents) {
   Json json = Json::object();
@@ -105,7 +102,8 @@ Json configurationJson(const BagSetup& setup) {
                         {"source", link.source},
                         {"problem", link.problem}};
       // A link that changed while recording is listed with each of its meshes.
-      if (!contains(json["links"], described)) json["links"].push_back(std::move(described));
+      if (!boost::algorithm::any_of_equal(json["links"], described))
+        json["links"].push_back(std::move(described));
     }
   }
   json["margin_m"] = p.margin_m;
@@ -167,7 +165,7 @@ Json unknownJson(const EvaluationRun& run) {
 Json posesJson(const BagContents& contents) {
   Json by_joints = Json::array();
   const auto add = [&by_joints](const std::string& frame) {
-    if (!contains(by_joints, frame)) by_joints.push_back(frame);
+    if (!boost::algorithm::any_of_equal(by_joints, frame)) by_joints.push_back(frame);
   };
   for (const auto& joints : contents.joint_transforms) {
     for (const JointTransforms::Moving& moving : joints.value->moving()) {
@@ -234,9 +232,9 @@ Json comparisonsJson(const EvaluationEnd& end) {
                     {"second", (*end.runs)[comparison.b]->name()},
                     {"must_agree", comparison.must_agree},
                     {"cycles_that_differ", comparison.cycles},
-                    {"only_first", comparison.only_a},
-                    {"only_second", comparison.only_b},
-                    {"example", comparison.example}});
+                    {"only_first", comparison.found.only_a},
+                    {"only_second", comparison.found.only_b},
+                    {"example", comparison.found.example}});
   }
   return json;
 }
@@ -372,7 +370,7 @@ std::string summaryText(const EvaluationEnd& end) {
       text += names + ": the same pairs in every cycle\n";
     } else {
       text += names + (comparison.must_agree ? " DISAGREE" : " differ") + " in " +
-              std::to_string(comparison.cycles) + " cycles; " + comparison.example + "\n";
+              std::to_string(comparison.cycles) + " cycles; " + comparison.found.example + "\n";
     }
   }
   for (const auto& verdict : end.expectations) {

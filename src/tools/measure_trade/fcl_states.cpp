@@ -39,10 +39,8 @@ std::unique_ptr<Model> modelOf(const Body& body) {
 
 fcl::Transform3d toFcl(const RigidTransform& pose) {
   fcl::Transform3d out = fcl::Transform3d::Identity();
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) out.linear()(r, c) = pose.rotation[3 * r + c];
-    out.translation()[r] = pose.translation[r];
-  }
+  out.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(pose.rotation);
+  out.translation() = Eigen::Map<const Eigen::Vector3d>(pose.translation);
   return out;
 }
 
