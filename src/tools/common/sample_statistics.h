@@ -24,9 +24,10 @@ inline double percentile(std::vector<double> samples, double share) {
 // without samples.
 inline double median(std::vector<double> samples) {
   if (samples.empty()) return 0;
-  std::sort(samples.begin(), samples.end());
-  const std::size_t half = samples.size() / 2;
-  return samples.size() % 2 == 1 ? samples[half] : (samples[half - 1] + samples[half]) / 2;
+  const auto half = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
+  std::nth_element(samples.begin(), half, samples.end());
+  if (samples.size() % 2 == 1) return *half;
+  return (*std::max_element(samples.begin(), half) + *half) / 2;
 }
 
 }  // namespace deformable_contact_monitor

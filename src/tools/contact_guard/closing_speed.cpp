@@ -5,20 +5,14 @@
 #include <cstddef>
 #include <vector>
 
+#include "tools/common/sample_statistics.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
 constexpr std::size_t kLeastSamples = 3;
 constexpr std::size_t kMostSamples = 32;  // bounds the work at high rates
 constexpr double kNanosecond = 1e-9;
-
-// Returns the median. Changes the order of the values; there must be one.
-double medianOf(std::vector<double>* values) {
-  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
-  std::nth_element(values->begin(), middle, values->end());
-  if (values->size() % 2 == 1) return *middle;
-  return (*middle + *std::max_element(values->begin(), middle)) / 2;
-}
 
 }  // namespace
 
@@ -50,14 +44,14 @@ std::optional<ClosingSpeed::Line> ClosingSpeed::line() const {
       values.push_back(change_m / (timeOf(samples_[j]) - timeOf(samples_[i])));
     }
   }
-  Line line{medianOf(&values), 0};
+  Line line{median(values), 0};
   values.clear();
   for (const Sample& sample : samples_) {
     values.push_back(sample.distance_m - line.slope_mps * timeOf(sample));
   }
-  const double start_m = medianOf(&values);
+  const double start_m = median(values);
   for (double& value : values) value = std::abs(value - start_m);
-  line.scatter_m = 2 * medianOf(&values);
+  line.scatter_m = 2 * median(values);
   return line;
 }
 
