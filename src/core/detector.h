@@ -1,7 +1,6 @@
 // The interface of all detectors, and their results.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -92,6 +91,10 @@ struct DCM_EXPORT NearestPair {
     return pair == o.pair && distance_m == o.distance_m && point_a == o.point_a &&
            point_b == o.point_b && normal == o.normal;
   }
+  // By the bodies, of which no list has two the same.
+  bool operator<(const NearestPair& o) const {
+    return std::make_pair(pair.body_a, pair.body_b) < std::make_pair(o.pair.body_a, o.pair.body_b);
+  }
 };
 
 // The nearest pair of two parts.
@@ -102,6 +105,7 @@ struct DCM_EXPORT NearestOfParts {
   bool operator==(const NearestOfParts& o) const {
     return parts == o.parts && nearest == o.nearest;
   }
+  bool operator<(const NearestOfParts& o) const { return parts < o.parts; }
 };
 
 // How many triangles of a part take no part because one of their vertices is not finite.

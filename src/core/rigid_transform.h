@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/export.h"
 
@@ -21,5 +22,12 @@ struct DCM_EXPORT RigidTransform {
            std::equal(translation, translation + 3, o.translation);
   }
 };
+
+// Returns whether all numbers of a transform are finite.
+inline bool isFinite(const RigidTransform& o) {
+  const auto finite = [](double x) { return std::isfinite(x); };
+  return std::all_of(o.rotation, o.rotation + 9, finite) &&
+         std::all_of(o.translation, o.translation + 3, finite);
+}
 
 }  // namespace deformable_contact_monitor

@@ -99,11 +99,8 @@ void Scene::setDeviceVertices(BodyId id, const float* device_xyz, std::size_t co
 }
 
 void Scene::requireFinite(const Body& body, const RigidTransform& pose) {
-  const auto finite = [](double x) { return std::isfinite(x); };
-  if (!std::all_of(std::begin(pose.rotation), std::end(pose.rotation), finite) ||
-      !std::all_of(std::begin(pose.translation), std::end(pose.translation), finite)) {
-    throw std::invalid_argument(body.name + ": its pose has a non-finite number");
-  }
+  if (isFinite(pose)) return;
+  throw std::invalid_argument(body.name + ": its pose has a non-finite number");
 }
 
 void Scene::setPose(BodyId id, const RigidTransform& pose) {

@@ -24,6 +24,8 @@ namespace {
 // other pairs of bodies.
 class MergedSteps {
  public:
+  MergedSteps(const Scene& step, const Options& options) { sums_.begin(step, options, true); }
+
   // Adds the result of a detection with swept motion in [from, to], parts [0, 1] of the interval.
   void add(const DetectionResult& part, double from, double to);
 
@@ -32,10 +34,10 @@ class MergedSteps {
 
   bool isCutOff() const { return sums_.cut_off; }
 
-  // Writes into a result that has begun and whose `guaranteed` is set: each contact once, with the
-  // earliest of its times, rounded outwards, and the sums of counters and stage times.
-  // `first_times` and `pads` tell which of the lists beside the contacts are wanted.
-  void write(bool first_times, bool pads, DetectionResult* result) const;
+  // Moves all into a result: each contact once, with the earliest of its times, rounded outwards,
+  // and the sums of counters and stage times. `first_times` and `pads` tell which of the lists
+  // beside the contacts are wanted.
+  void moveTo(DetectionResult* result, bool first_times, bool pads);
 
  private:
   struct Contact {
@@ -48,9 +50,7 @@ class MergedSteps {
   static Contact merged(const Contact& earlier, const Contact& later);
 
   std::vector<Contact> contacts_, new_, both_;  // sorted
-  std::vector<NearestPair> nearest_;            // no two of the same bodies
-  std::vector<NearestOfParts> nearest_parts_;   // no two of the same parts
-  DetectionResult sums_;
+  DetectionResult sums_;  // no two nearest pairs are of the same bodies or parts
 };
 
 // Bounds the relative error of the double arithmetic below.
@@ -104,6 +104,7 @@ void addTimes(const DetectionResult& part, DetectionResult& sum) {
 void MergedSteps::add(const DetectionResult& part, double from, double to) {
   addContacts(part, from, to);
   addNearest(part);
+  sums_.guaranteed = sums_.guaranteed && part.guaranteed;
   sums_.left_out += part.left_out;
   sums_.started_cold = sums_.started_cold || part.started_cold;
   addCounters(part.counters, sums_.counters);
@@ -111,8 +112,9 @@ void MergedSteps::add(const DetectionResult& part, double from, double to) {
 }
 
 void MergedSteps::addNearest(const DetectionResult& part) {
-  nearest_.insert(nearest_.end(), part.nearest.begin(), part.nearest.end());
-  nearest_parts_.insert(nearest_parts_.end(), part.nearest_parts.begin(), part.nearest_parts.end());
+  sums_.nearest.insert(sums_.nearest.end(), part.nearest.begin(), part.nearest.end());
+  sums_.nearest_parts.insert(sums_.nearest_parts.end(), part.nearest_parts.begin(),
+                             part.nearest_parts.end());
   if (part.cut_off) sums_.cutOff(part.cut_off_because);
 }
 
@@ -150,33 +152,15 @@ MergedSteps::Contact MergedSteps::merged(const Contact& earlier, const Contact& 
           earlier.within_pad && later.within_pad};
 }
 
-void MergedSteps::write(bool first_times, bool pads, DetectionResult* result) const {
+void MergedSteps::moveTo(DetectionResult* result, bool first_times, bool pads) {
   for (const Contact& contact : contacts_) {
-    result->contacts.push_back(contact.pair);
-    if (first_times) result->first_times.push_back(contact.first);
-    if (pads) result->within_pad.push_back(contact.within_pad ? 1 : 0);
+    sums_.contacts.push_back(contact.pair);
+    if (first_times) sums_.first_times.push_back(contact.first);
+    if (pads) sums_.within_pad.push_back(contact.within_pad ? 1 : 0);
   }
-  result->nearest = nearest_;
-  std::sort(result->nearest.begin(), result->nearest.end(),
-            [](const NearestPair& x, const NearestPair& y) {
-              return std::pair(x.pair.body_a, x.pair.body_b) <
-                     std::pair(y.pair.body_a, y.pair.body_b);
-            });
-  result->nearest_parts = nearest_parts_;
-  std::sort(result->nearest_parts.begin(), result->nearest_parts.end(),
-            [](const NearestOfParts& x, const NearestOfParts& y) { return x.parts < y.parts; });
-  result->left_out = sums_.left_out;
-  result->cut_off = sums_.cut_off;
-  result->cut_off_because = sums_.cut_off_because;
-  result->started_cold = sums_.started_cold;
-  const std::uint64_t triangles = result->counters.triangles;
-  result->counters = sums_.counters;
-  result->counters.triangles = triangles;
-  result->stages_ms = sums_.stages_ms;
-  result->detect_ms = sums_.detect_ms;
-  result->memory_bytes = sums_.memory_bytes;
-  result->memory_is_whole = sums_.memory_is_whole;
-  result->detector_bytes = sums_.detector_bytes;
+  std::sort(sums_.nearest.begin(), sums_.nearest.end());
+  std::sort(sums_.nearest_parts.begin(), sums_.nearest_parts.end());
+  sums_.swap(*result);
 }
 
 void validate(const Scene& scene, const std::vector<BodyPath>& paths, double tolerance_m) {
@@ -309,8 +293,7 @@ void SubStepDetector::swapResult(StepResult& result) {
 void SubStepDetector::detectRotating(const Scene& step,
                                      const std::vector<std::optional<BodyMotion>>& motions,
                                      double tolerance_m, const Options& options) {
-  MergedSteps merged;
-  bool guaranteed = true;
+  MergedSteps merged(step, options);
   straight_ = step;
   const auto add = [&](const Scene& scene, double from, double to, bool nearest) {
     Options part_options = options;
@@ -318,7 +301,6 @@ void SubStepDetector::detectRotating(const Scene& step,
     detector_.detect(scene, part_options);
     detector_.swapResult(part_);
     includePads(scene, options, &part_);
-    guaranteed = guaranteed && part_.guaranteed;
     merged.add(part_, from, to);
   };
   if (keepStraightPairs(motions, &straight_)) add(straight_, 0, 1, options.nearest);
@@ -340,8 +322,7 @@ void SubStepDetector::detectRotating(const Scene& step,
     detector_.swapResult(part_);
     merged.addNearest(part_);
   }
-  result_.detection.begin(step, options, guaranteed);
-  merged.write(options.first_times, step.anyPad() || result_.pad_m > 0, &result_.detection);
+  merged.moveTo(&result_.detection, options.first_times, step.anyPad() || result_.pad_m > 0);
   countRejected(step, &result_.detection);
 }
 

@@ -5,7 +5,6 @@
 #include "robot/robot_kinematics.h"
 
 #include <algorithm>
-#include <cmath>
 #include <kdl/segment.hpp>
 #include <set>
 #include <stdexcept>
@@ -44,13 +43,6 @@ std::string typeProblem(const RobotJoint& joint) {
     default:
       return name + "is of an unknown type";
   }
-}
-
-bool isFinite(const KDL::Frame& frame) {
-  const RigidTransform pose = toRigidTransform(frame);
-  const auto finite = [](double value) { return std::isfinite(value); };
-  return std::all_of(pose.rotation, pose.rotation + 9, finite) &&
-         std::all_of(pose.translation, pose.translation + 3, finite);
 }
 
 // Returns all joints, each after the joint of its parent link.
@@ -187,7 +179,7 @@ void JointMotion::addLink(const RobotJoint& joint, const std::optional<Drive>& d
   }
   step.still = step.segment.pose(0);
   constexpr double kAnyPosition = 0.5;
-  if (!step.stays && !isFinite(step.segment.pose(kAnyPosition))) {
+  if (!step.stays && !isFinite(toRigidTransform(step.segment.pose(kAnyPosition)))) {
     throw std::invalid_argument("joint '" + joint.name +
                                 "' has an origin that is not finite, or an axis without direction");
   }

@@ -4,6 +4,7 @@
 #include "core/analysis/surface_layers.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -23,12 +24,18 @@ struct Piece {
   std::array<std::uint32_t, 3> corners{};  // ascending
   std::uint32_t place = 0;                 // of a copy, in the list of triangles
   std::uint32_t count = 0;
+
+  bool operator<(const Piece& o) const {
+    return std::tie(corners, place) < std::tie(o.corners, o.place);
+  }
 };
 
 // A piece at one of its edges.
 struct Side {
   EdgeKey edge;
   std::uint32_t piece;
+
+  bool operator<(const Side& o) const { return std::tie(edge, piece) < std::tie(o.edge, o.piece); }
 };
 
 // The patches that are copies of each other.
@@ -37,16 +44,10 @@ struct PatchClass {
   std::uint32_t count = 0;  // how many copies there are
 };
 
-template <class T, class Less>
-void sort(const CycleLimit& limit, const Less& less, std::vector<T>* list) {
-  sortWithin(limit, list->size(), less,
-             [list](const auto& order) { std::sort(list->begin(), list->end(), order); });
-}
-
 template <class T>
 void sort(const CycleLimit& limit, std::vector<T>* list) {
-  sort(
-      limit, [](const T& a, const T& b) { return a < b; }, list);
+  sortWithin(limit, list->size(), std::less<>(),
+             [list](const auto& order) { std::sort(list->begin(), list->end(), order); });
 }
 
 class LayerFinder {
@@ -90,12 +91,7 @@ void LayerFinder::makePieces(const std::vector<SurfaceTriangle>& triangles) {
     std::sort(piece.corners.begin(), piece.corners.end());
     all.push_back(piece);
   }
-  sort(
-      limit_,
-      [](const Piece& a, const Piece& b) {
-        return std::tie(a.corners, a.place) < std::tie(b.corners, b.place);
-      },
-      &all);
+  sort(limit_, &all);
   for (const Piece& piece : all) {
     if (!pieces_.empty() && pieces_.back().corners == piece.corners) {
       ++pieces_.back().count;
@@ -113,12 +109,7 @@ void LayerFinder::makeSides() {
     sides_.push_back({{c[1], c[2]}, i});
     sides_.push_back({{c[0], c[2]}, i});
   }
-  sort(
-      limit_,
-      [](const Side& a, const Side& b) {
-        return std::tie(a.edge, a.piece) < std::tie(b.edge, b.piece);
-      },
-      &sides_);
+  sort(limit_, &sides_);
 }
 
 // Calls visit(begin, end) with the sides of each edge.

@@ -14,7 +14,6 @@
 #include "core/common/part_table.h"
 #include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
-#include "core/rules/margins.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -268,16 +267,7 @@ void BoundedCycle::addBounds(const Scene& scene, const Options& options, const C
           ->contact_count;
   }
   mergeContacts(scene, options, contacts, result_);
-  const std::vector<NearestPair> nearest = rounds_.nearest(scene);
-  result_.nearest.insert(result_.nearest.end(), nearest.begin(), nearest.end());
-  std::sort(result_.nearest.begin(), result_.nearest.end(),
-            [](const NearestPair& x, const NearestPair& y) {
-              return IdPair(x.pair.body_a, x.pair.body_b) < IdPair(y.pair.body_a, y.pair.body_b);
-            });
-  const std::vector<NearestOfParts> of_parts = rounds_.nearestParts(scene);
-  result_.nearest_parts.insert(result_.nearest_parts.end(), of_parts.begin(), of_parts.end());
-  std::sort(result_.nearest_parts.begin(), result_.nearest_parts.end(),
-            [](const NearestOfParts& x, const NearestOfParts& y) { return x.parts < y.parts; });
+  rounds_.addNearest(scene, result_);
   if (!rounds_.allPartsSearched()) result_.cutOff(limit.wasOver() ? limit.why() : kNoTime);
   countRejected(scene);
 }

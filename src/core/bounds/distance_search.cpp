@@ -21,12 +21,6 @@ bool tellsWhatTouches(const Options& options, const DetectionResult& result) {
          options.overlap == 1 && !result.cut_off && result.left_out == 0;
 }
 
-bool isBefore(const NearestPair& x, const NearestPair& y) {
-  return IdPair(x.pair.body_a, x.pair.body_b) < IdPair(y.pair.body_a, y.pair.body_b);
-}
-
-bool arePartsBefore(const NearestOfParts& x, const NearestOfParts& y) { return x.parts < y.parts; }
-
 // Returns the searches of a scene whose result is not in `found` or `found_parts`, which are
 // sorted.
 std::vector<SearchedPair> otherSearches(const Scene& scene, bool by_part,
@@ -40,22 +34,14 @@ std::vector<SearchedPair> otherSearches(const Scene& scene, bool by_part,
   const auto isFound = [&](const SearchedPair& search) {
     if (search.parts) {
       const NearestOfParts key{*search.parts, NearestPair()};
-      return std::binary_search(found_parts.begin(), found_parts.end(), key, arePartsBefore);
+      return std::binary_search(found_parts.begin(), found_parts.end(), key);
     }
     NearestPair key;
     key.pair = {search.a, 0, search.b, 0};
-    return std::binary_search(found.begin(), found.end(), key, isBefore);
+    return std::binary_search(found.begin(), found.end(), key);
   };
   searches.erase(std::remove_if(searches.begin(), searches.end(), isFound), searches.end());
   return searches;
-}
-
-// Merges a second sorted list into the first.
-template <class List, class Less>
-void mergeInto(List& first, const List& second, const Less& less) {
-  const auto middle = static_cast<std::ptrdiff_t>(first.size());
-  first.insert(first.end(), second.begin(), second.end());
-  std::inplace_merge(first.begin(), first.begin() + middle, first.end(), less);
 }
 
 }  // namespace
@@ -82,8 +68,7 @@ void DistanceSearch::find(const Scene& scene, const Options& options, const Cycl
   }
   rounds_.begin(scene, searches, tilings, goal, limit);
   rounds_.decide(limit, SteadyTime::max());
-  mergeInto(result.nearest, rounds_.nearest(scene), isBefore);
-  mergeInto(result.nearest_parts, rounds_.nearestParts(scene), arePartsBefore);
+  rounds_.addNearest(scene, result);
 }
 
 }  // namespace deformable_contact_monitor

@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <utility>
-#include <vector>
 
 #include "core/bounds/pair_rounds.h"
 #include "core/common/cycle_limit.h"

@@ -165,23 +165,20 @@ struct NearEnds {
   // Lowers least_m to the least distance of the other triangles.
   NearEnds(const GapAlong& along, const PosedTile& tile_a, const PosedTile& tile_b, double needed_m,
            double& least_m) {
-    for (std::size_t s = 0; s < tile_a.count; ++s) {
-      const double low_m = along.ofA(tile_a, s);
+    const auto keepNear = [&](double low_m, std::size_t t, double end, std::uint8_t* near,
+                              double* ends, std::size_t* count) {
       if (low_m >= needed_m) {
         least_m = least(least_m, low_m);
-      } else {
-        end_a[a_count] = along.highest(tile_a, s);
-        a[a_count++] = static_cast<std::uint8_t>(s);
+        return;
       }
+      ends[*count] = end;
+      near[(*count)++] = static_cast<std::uint8_t>(t);
+    };
+    for (std::size_t s = 0; s < tile_a.count; ++s) {
+      keepNear(along.ofA(tile_a, s), s, along.highest(tile_a, s), a, end_a, &a_count);
     }
     for (std::size_t t = 0; t < tile_b.count; ++t) {
-      const double low_m = along.ofB(tile_b, t);
-      if (low_m >= needed_m) {
-        least_m = least(least_m, low_m);
-      } else {
-        end_b[b_count] = along.lowest(tile_b, t);
-        b[b_count++] = static_cast<std::uint8_t>(t);
-      }
+      keepNear(along.ofB(tile_b, t), t, along.lowest(tile_b, t), b, end_b, &b_count);
     }
   }
 };

@@ -264,28 +264,20 @@ std::vector<BodyDistance> PairRounds::distances() const {
   return distances;
 }
 
-std::vector<NearestPair> PairRounds::nearest(const Scene& scene) const {
-  std::vector<NearestPair> nearest;
+void PairRounds::addNearest(const Scene& scene, DetectionResult& result) const {
   for (const Pair& pair : pairs_) {
-    const auto best = pair.search && !pair.parts ? pair.search->nearest() : std::nullopt;
-    if (!best) continue;
-    nearest.push_back(nearestPairOf(scene, {pair.a, best->triangle_a, pair.b, best->triangle_b},
-                                    best->distance_m));
-  }
-  return nearest;
-}
-
-std::vector<NearestOfParts> PairRounds::nearestParts(const Scene& scene) const {
-  std::vector<NearestOfParts> nearest;
-  for (const Pair& pair : pairs_) {
-    const auto best = pair.search && pair.parts ? pair.search->nearest() : std::nullopt;
+    const auto best = pair.search ? pair.search->nearest() : std::nullopt;
     if (!best) continue;
     const TrianglePair triangles{pair.a, best->triangle_a, pair.b, best->triangle_b};
-    nearest.push_back({*pair.parts, nearestPairOf(scene, triangles, best->distance_m)});
+    const NearestPair nearest = nearestPairOf(scene, triangles, best->distance_m);
+    if (pair.parts) {
+      result.nearest_parts.push_back({*pair.parts, nearest});
+    } else {
+      result.nearest.push_back(nearest);
+    }
   }
-  std::sort(nearest.begin(), nearest.end(),
-            [](const NearestOfParts& x, const NearestOfParts& y) { return x.parts < y.parts; });
-  return nearest;
+  std::sort(result.nearest.begin(), result.nearest.end());
+  std::sort(result.nearest_parts.begin(), result.nearest_parts.end());
 }
 
 bool PairRounds::allPartsSearched() const {

@@ -58,11 +58,10 @@ class PairRounds {
   // Returns what is certain of each pair of bodies, in their order.
   std::vector<BodyDistance> distances() const;
 
-  // Returns the nearest pair of each pair whose search is exact and that is within its margin.
-  std::vector<NearestPair> nearest(const Scene& scene) const;
+  // Adds the nearest pair of each pair of bodies or parts whose search is exact and that is within
+  // its margin, and sorts the result's lists of them.
+  void addNearest(const Scene& scene, DetectionResult& result) const;
 
-  // Returns the same of pairs of parts, ascending.
-  std::vector<NearestOfParts> nearestParts(const Scene& scene) const;
   // Returns whether the search of each pair of parts came to its end.
   bool allPartsSearched() const;
 

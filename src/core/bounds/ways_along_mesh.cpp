@@ -1,7 +1,6 @@
 #include "core/bounds/ways_along_mesh.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <limits>
@@ -9,20 +8,12 @@
 #include <tuple>
 
 #include "core/common/posed_body.h"
+#include "core/vector3.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 constexpr double kNowhere = std::numeric_limits<double>::infinity();
-
-bool isFinitePoint(const Vec3f& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-double distance(const Vec3f& a, const Vec3f& b) {
-  const double x = double{a.x} - b.x, y = double{a.y} - b.y, z = double{a.z} - b.z;
-  return std::sqrt(x * x + y * y + z * z);
-}
 
 }  // namespace
 
@@ -35,7 +26,7 @@ WaysAlongMesh::WaysAlongMesh(const Body& body) {
   for (std::size_t i = 0; i < place_of.size(); ++i) {
     const Vec3f v = posed.vertex(i);
     place_of[i] = static_cast<std::uint32_t>(places.size());
-    if (isFinitePoint(v)) {
+    if (isFinite(v)) {
       place_of[i] = known.emplace(std::make_tuple(v.x, v.y, v.z), place_of[i]).first->second;
     }
     if (place_of[i] == places.size()) places.push_back(v);
@@ -55,8 +46,8 @@ WaysAlongMesh::WaysAlongMesh(const Body& body) {
   first_edge_.assign(places.size() + 1, 0);
   for (const auto& [from, to] : ends) {
     ++first_edge_[from + 1];
-    const bool is_known = isFinitePoint(places[from]) && isFinitePoint(places[to]);
-    edges_.push_back({to, is_known ? distance(places[from], places[to]) : 0});
+    const bool is_known = isFinite(places[from]) && isFinite(places[to]);
+    edges_.push_back({to, is_known ? length(toDouble(places[from]) - toDouble(places[to])) : 0});
   }
   for (std::size_t i = 0; i < places.size(); ++i) first_edge_[i + 1] += first_edge_[i];
   way_m_.assign(places.size(), kNowhere);

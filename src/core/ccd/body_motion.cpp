@@ -115,11 +115,7 @@ void validate(const BodyPath& path, const std::string& name) {
     const std::string sample = "sample " + std::to_string(i);
     if (i > 0 && !(path[i - 1].at < path[i].at)) refuse("does not ascend at " + sample);
     const RigidTransform& pose = path[i].pose;
-    const auto finite = [](double x) { return std::isfinite(x); };
-    if (!std::all_of(std::begin(pose.rotation), std::end(pose.rotation), finite) ||
-        !std::all_of(std::begin(pose.translation), std::end(pose.translation), finite)) {
-      refuse("has a non-finite number in " + sample);
-    }
+    if (!isFinite(pose)) refuse("has a non-finite number in " + sample);
     if (defectOf(pose.rotation) > kLargestDefectOfRotation || determinant(pose.rotation) < 0) {
       refuse("has no rotation in " + sample);
     }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/bounds/distance_rounding.h"
 #include "core/common/posed_body.h"
 #include "core/vector3.h"
 
@@ -39,12 +40,6 @@ std::vector<float> posed(const PosedBody& body, std::size_t count) {
 double distanceOf(const float* v) {
   const double x = v[0], y = v[1], z = v[2];
   return std::sqrt(x * x + y * y + z * z);
-}
-
-// Returns the least float32 that is not less than x.
-float roundedUp(double x) {
-  const float near = toFloat(x);
-  return near < x ? std::nextafter(near, INFINITY) : near;
 }
 
 // Holds where an interval is cut, and into how many pieces.

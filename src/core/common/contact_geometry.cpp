@@ -64,19 +64,15 @@ std::vector<NearestPair> touchingPairs(const Scene& scene, const DetectionResult
 }
 
 std::vector<NearestOfParts> touchingParts(const Scene& scene, const DetectionResult& result) {
-  const auto partOf = [&scene](BodyId id, std::uint32_t triangle) {
-    const std::vector<PartId>& parts = scene.body(id).parts;
-    return parts.empty() ? PartId{0} : parts[triangle];
-  };
   std::map<PartPair, TrianglePair> first;
   for (std::size_t i = 0; i < result.contacts.size(); ++i) {
     const TrianglePair& pair = result.contacts[i];
-    const bool named =
-        !scene.body(pair.body_a).parts.empty() || !scene.body(pair.body_b).parts.empty();
+    const Body &a = scene.body(pair.body_a), &b = scene.body(pair.body_b);
+    const bool named = !a.parts.empty() || !b.parts.empty();
     if (pair.body_a == pair.body_b || !named || !result.touches(i)) continue;
-    first.emplace(PartPair{pair.body_a, pair.body_b, partOf(pair.body_a, pair.triangle_a),
-                           partOf(pair.body_b, pair.triangle_b)},
-                  pair);
+    first.emplace(
+        PartPair{pair.body_a, pair.body_b, a.partOf(pair.triangle_a), b.partOf(pair.triangle_b)},
+        pair);
   }
   std::vector<NearestOfParts> touching;
   touching.reserve(first.size());

@@ -4,19 +4,14 @@
 #include <utility>
 
 #include "core/mesh_files/mesh_readers.h"
+#include "core/mesh_files/mesh_text.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-// Makes ASCII letters small, whatever the locale.
-char small(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
-// Returns whether the text begins like that, whatever the case of its letters. `start` is in small
-// letters.
+// Returns whether the text begins like that, whatever the case of its letters.
 bool beginsLike(std::string_view text, std::string_view start) {
-  return text.size() >= start.size() &&
-         std::equal(start.begin(), start.end(), text.begin(),
-                    [](char wanted, char c) { return wanted == small(c); });
+  return equalIgnoringCase(text.substr(0, start.size()), start);
 }
 
 // Returns whether there is such a tag among the first characters. Others may be before it: an XML

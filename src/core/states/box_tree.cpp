@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "core/common/posed_body.h"
 #include "core/predicates/aabb.h"
 
 namespace deformable_contact_monitor {
@@ -36,9 +37,10 @@ void BoxTree::order(const Body& body, const CycleLimit& limit) {
   topology_revision_ = 0;
   nodes_.clear();
   corners_.clear();
-  std::vector<Placed> triangles(body.mesh.triangleCount());
+  std::vector<PlacedTriangle> triangles(body.mesh.triangleCount());
+  const PosedBody of(body);
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    const Triangle triangle = receivedTriangle(body.mesh, t);
+    const Triangle triangle = of.received(t);
     triangles[t] = {{0, 0, 0}, t};
     if (!isFinite(triangle)) continue;
     const CentredBox box = CentredBox::of(boxOf(triangle));
@@ -49,7 +51,7 @@ void BoxTree::order(const Body& body, const CycleLimit& limit) {
 }
 
 // Adds a node of these triangles, and all below it. Returns its number.
-std::uint32_t BoxTree::split(Placed* first, Placed* last, const CycleLimit& limit) {
+std::uint32_t BoxTree::split(PlacedTriangle* first, PlacedTriangle* last, const CycleLimit& limit) {
   const auto count = static_cast<std::size_t>(last - first);
   const auto number = static_cast<std::uint32_t>(nodes_.size());
   nodes_.emplace_back();
@@ -64,29 +66,13 @@ std::uint32_t BoxTree::split(Placed* first, Placed* last, const CycleLimit& limi
   std::size_t unit = BoxNode::kLanes;  // triangles of a full child
   while (unit * BoxNode::kLanes < count) unit *= BoxNode::kLanes;
   nodes_[number].count = static_cast<std::uint32_t>((count + unit - 1) / unit);
-  halve(first, last, unit, limit);
+  halve(limit, first, last, unit);
   for (std::size_t i = 0; i < nodes_[number].count && !limit.over(); ++i) {
     const std::uint32_t child =
         split(first + i * unit, std::min(last, first + (i + 1) * unit), limit);
     nodes_[number].child[i] = child;
   }
   return number;
-}
-
-// Reorders triangles so that each run of `unit` of them, from the first on, lies close together.
-void BoxTree::halve(Placed* first, Placed* last, std::size_t unit, const CycleLimit& limit) {
-  const auto count = static_cast<std::size_t>(last - first);
-  if (count <= unit || limit.over()) return;
-  Aabb box;
-  for (const Placed* t = first; t != last; ++t) box.include(t->at);
-  const Vec3f size = box.max - box.min;
-  const int side = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
-  Placed* const middle = first + (count + unit - 1) / unit / 2 * unit;
-  std::nth_element(first, middle, last, [side](const Placed& a, const Placed& b) {
-    return a.at[side] != b.at[side] ? a.at[side] < b.at[side] : a.triangle < b.triangle;
-  });
-  halve(first, middle, unit, limit);
-  halve(middle, last, unit, limit);
 }
 
 // Makes the boxes of all nodes, children first.
@@ -106,12 +92,13 @@ void BoxTree::fit(const Body& body) {
 void BoxTree::fitNode(const Body& body, BoxNode& node, Aabb& box) {
   box = Aabb();
   node.used = 0;
+  const PosedBody of(body);
   std::uint16_t parts[BoxNode::kLanes];
   for (std::size_t i = 0; i < BoxNode::kLanes; ++i) {
     Aabb of_lane;
     node.first[i] = ~std::uint32_t{0};
     if (i < node.count && node.is_leaf) {
-      const Triangle triangle = receivedTriangle(body.mesh, node.child[i]);
+      const Triangle triangle = of.received(node.child[i]);
       if (isFinite(triangle)) {
         of_lane = boxOf(triangle);
         for (int c = 0; c < 3; ++c) {

@@ -4,10 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "core/common/cycle_limit.h"
+#include "core/common/halving.h"
 #include "core/predicates/triangle.h"
 #include "core/rules/moved_boxes.h"
 #include "core/scene.h"
@@ -42,12 +42,6 @@ struct LeafCorners {
   float at[3][3][BoxNode::kLanes];
 };
 
-// Returns a triangle of a mesh in the body's own frame.
-inline Triangle receivedTriangle(const TriangleMesh& mesh, std::uint32_t triangle) {
-  const std::uint32_t* const corner = mesh.triangles.data() + 3 * std::size_t{triangle};
-  return {{mesh.vertex(corner[0]), mesh.vertex(corner[1]), mesh.vertex(corner[2])}};
-}
-
 class BoxTree {
  public:
   // Begins a check. Returns false if the limit was over; then the object is of no use in this
@@ -65,15 +59,8 @@ class BoxTree {
   const Aabb& box() const { return box_; }
 
  private:
-  // A triangle with the middle of its box [m].
-  struct Placed {
-    Vec3f at;
-    std::uint32_t triangle;
-  };
-
   void order(const Body& body, const CycleLimit& limit);
-  std::uint32_t split(Placed* first, Placed* last, const CycleLimit& limit);
-  static void halve(Placed* first, Placed* last, std::size_t unit, const CycleLimit& limit);
+  std::uint32_t split(PlacedTriangle* first, PlacedTriangle* last, const CycleLimit& limit);
   void fit(const Body& body);
   void fitNode(const Body& body, BoxNode& node, Aabb& box);
 

@@ -5,25 +5,19 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/rules/posed_vertex.h"
+#include "core/common/posed_body.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
 using IdPair = std::pair<BodyId, BodyId>;
 
-// Returns whether all vertices of a triangle are finite as they were received.
-bool isReceivedFinite(const TriangleMesh& mesh, std::size_t triangle) {
-  const std::uint32_t* const corner = mesh.triangles.data() + 3 * triangle;
-  return isFinite(mesh.vertex(corner[0])) && isFinite(mesh.vertex(corner[1])) &&
-         isFinite(mesh.vertex(corner[2]));
-}
-
 // Returns the rejected triangles of a body by part, ascending; the body's number is left 0.
 std::vector<RejectedPart> countRejected(const Body& body) {
   std::uint64_t counts[256] = {};
+  const PosedBody of(body);
   for (std::uint32_t t = 0; t < body.mesh.triangleCount(); ++t) {
-    if (!isReceivedFinite(body.mesh, t)) ++counts[body.partOf(t)];
+    if (!isFinite(of.received(t))) ++counts[body.partOf(t)];
   }
   std::vector<RejectedPart> rejected;
   for (const PartId part : body.listed_parts) {
@@ -103,20 +97,11 @@ std::vector<RejectedPart> RejectedCounts::of(const Scene& scene, const std::vect
   return rejected;
 }
 
-bool isFinite(const RigidTransform& pose) {
-  const auto finite = [](double x) { return std::isfinite(x); };
-  return std::all_of(std::begin(pose.rotation), std::end(pose.rotation), finite) &&
-         std::all_of(std::begin(pose.translation), std::end(pose.translation), finite);
-}
-
 bool leavesFloats(const Body& body, const RigidTransform& pose) {
   if (pose.isIdentity()) return false;
-  const TriangleMesh& mesh = body.mesh;
-  for (std::size_t t = 0; t < mesh.triangleCount(); ++t) {
-    if (!isReceivedFinite(mesh, t)) continue;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (!isFinite(apply(pose, mesh.vertex(mesh.triangles[3 * t + k])))) return true;
-    }
+  const PosedBody posed(body, pose);
+  for (std::uint32_t t = 0; t < body.mesh.triangleCount(); ++t) {
+    if (isFinite(posed.received(t)) && !isFinite(posed.triangle(t))) return true;
   }
   return false;
 }

@@ -2,7 +2,6 @@
 // take no part. Both backends begin with it.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -40,9 +39,6 @@ class DCM_EXPORT RejectedCounts {
   };
   std::vector<Counted> of_body_;
 };
-
-// Returns whether all numbers of a pose are finite.
-DCM_EXPORT bool isFinite(const RigidTransform& pose);
 
 // Returns whether a pose makes a vertex of some triangle infinite, of a triangle whose vertices
 // were received finite. Reads all vertices, which must be on the host; where posedBox() of the

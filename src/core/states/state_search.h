@@ -2,9 +2,7 @@
 // has one search.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "core/bounds/pair_radii.h"

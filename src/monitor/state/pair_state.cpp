@@ -329,10 +329,9 @@ const NearestPair* nearestOf(const CycleReport& report, const MonitoredPair& pai
   if (report.result == nullptr) return nullptr;
   if (pair.part_a != 0 || pair.part_b != 0) return nearestOfPart(report, pair);
   const std::vector<NearestPair>& all = report.result->nearest;
-  const auto found = std::lower_bound(
-      all.begin(), all.end(), pair, [](const NearestPair& one, const MonitoredPair& of) {
-        return std::tie(one.pair.body_a, one.pair.body_b) < std::tie(of.a, of.b);
-      });
+  NearestPair key;
+  key.pair = {pair.a, 0, pair.b, 0};
+  const auto found = std::lower_bound(all.begin(), all.end(), key);
   const bool is_there =
       found != all.end() && found->pair.body_a == pair.a && found->pair.body_b == pair.b;
   return is_there ? &*found : nullptr;
