@@ -1,7 +1,6 @@
 // Keeps the sizes of the device arrays, and decides how they grow.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 #include "cuda/memory/cycle_params.cuh"

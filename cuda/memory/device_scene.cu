@@ -3,7 +3,6 @@
 // they change.
 #include <algorithm>
 #include <cstring>
-#include <string>
 
 #include "core/common/parallel.h"
 #include "core/common/scene_queries.h"

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "core/predicates/swept_intersection.h"
-#include "core/rules/common_motion.h"
 #include "cuda/stages/pair_filter.cuh"
 
 namespace deformable_contact_monitor {

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <limits>
-#include <string>
 
 #include "core/bounds/pair_radii.h"
 #include "core/common/part_table.h"

@@ -7,7 +7,6 @@
 #include <mutex>
 #include <thread>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include "core/common/forks.h"

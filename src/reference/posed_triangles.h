@@ -7,8 +7,6 @@
 
 #include "core/common/cycle_limit.h"
 #include "core/common/posed_body.h"
-#include "core/options.h"
-#include "core/predicates/adjacency.h"
 #include "core/predicates/triangle.h"
 #include "core/scene.h"
 

@@ -1,6 +1,5 @@
 #include "core/cpu/fans.h"
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>

@@ -2,8 +2,6 @@
 // four pairs at once.
 #pragma once
 
-#include <cstdint>
-
 #include "core/cpu/lane_triangle.h"
 
 namespace deformable_contact_monitor {

@@ -4,7 +4,6 @@
 #pragma once
 
 #include "core/predicates/swept_polynomials.h"
-#include "core/predicates/triangle_intersection.h"
 
 namespace deformable_contact_monitor {
 

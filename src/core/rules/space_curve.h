@@ -2,7 +2,6 @@
 // that follow each other share a side.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 
 #include "core/host_device.h"

@@ -4,7 +4,6 @@
 #include <ros/console.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <set>

@@ -17,7 +17,6 @@
 
 #include "core/backend_choice.h"
 #include "core/options.h"
-#include "core/triangle_mesh.h"
 #include "monitor/rules/contact_rules.h"
 #include "monitor/rules/part_parameters.h"
 #include "monitor/rules/rigid_parameters.h"

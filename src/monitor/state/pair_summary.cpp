@@ -5,7 +5,6 @@
 #include "monitor/state/pair_summary.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "core/common/parallel.h"
 #include "core/common/posed_body.h"

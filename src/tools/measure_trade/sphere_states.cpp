@@ -1,8 +1,6 @@
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
-#include "core/tiling.h"
 #include "tools/measure_trade/state_measurement.h"
 
 namespace deformable_contact_monitor {

@@ -9,7 +9,6 @@
 #include "tools/common/formatted.h"
 #include "tools/common/reports.h"
 #include "tools/common/sample_statistics.h"
-#include "tools/measure_trade/trade_grid.h"
 #include "tools/measure_trade/trade_report.h"
 
 namespace deformable_contact_monitor {
