@@ -91,7 +91,7 @@ struct DCM_EXPORT NearestPair {
     return pair == o.pair && distance_m == o.distance_m && point_a == o.point_a &&
            point_b == o.point_b && normal == o.normal;
   }
-  // By the bodies, of which no list has two the same.
+  // Compares the bodies alone: no list has two pairs of the same.
   bool operator<(const NearestPair& o) const {
     return std::make_pair(pair.body_a, pair.body_b) < std::make_pair(o.pair.body_a, o.pair.body_b);
   }

@@ -11,7 +11,7 @@
 
 namespace deformable_contact_monitor {
 
-// A triangle of a mesh, and its place [m, body frame].
+// Holds a triangle of a mesh, and its place [m, body frame].
 struct PlacedTriangle {
   Vec3f at;
   std::uint32_t triangle;

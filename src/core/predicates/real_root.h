@@ -13,7 +13,7 @@
 
 namespace deformable_contact_monitor {
 
-// An integer of any size. Values of at most 512 bits need no memory beside it.
+// Holds an integer of any size. Values of at most 512 bits need no memory beside it.
 using GrowingInteger = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<512>,
                                                      boost::multiprecision::et_off>;
 

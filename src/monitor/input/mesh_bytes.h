@@ -28,7 +28,7 @@ std::string validateMeshBytes(const std::uint8_t* bytes, std::size_t size, std::
 // Returns why a mesh of that many bytes is too large; empty: it is not.
 std::string meshSizeProblem(std::uint64_t bytes, std::size_t max_bytes);
 
-// Adds up the bytes of the fields that a message's serializer hands to it. In 64 bits, unlike
+// Adds up the bytes of the fields that a message's serializer hands to it. It has 64 bits, unlike
 // roscpp's own count, which wraps for a message too large to be sent.
 struct ByteCounter {
   std::uint64_t bytes = 0;
