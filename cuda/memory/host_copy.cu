@@ -1,4 +1,3 @@
-
 #include "cuda/device/check.cuh"
 #include "cuda/memory/host_copy.cuh"
 
