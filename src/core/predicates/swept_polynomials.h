@@ -251,15 +251,27 @@ DCM_HD inline void determinantsOf(const MovingNormal<Real>& n, const MovingVecto
   }
 }
 
+// Returns v.x[axis]. On a device it needs no array in memory.
+template <class Real>
+DCM_HD inline Real coordinate(const Vector<Real>& v, int axis) {
+#ifdef __CUDA_ARCH__
+  return axis == 0 ? v.x[0] : axis == 1 ? v.x[1] : v.x[2];
+#else
+  return v.x[axis];
+#endif
+}
+
 // Returns twice the determinant of the projections of u and v along `axis`.
 template <class Real>
 DCM_HD inline Quadratic<Real> projectedDeterminant(const MovingVector<Real>& u,
                                                    const MovingVector<Real>& v, int axis) {
   const int i = axis == 2 ? 0 : axis + 1, j = axis == 0 ? 2 : axis - 1;
-  const Real a = u.from.x[i] * v.from.x[j], b = u.from.x[j] * v.from.x[i];
-  const Real c = u.from.x[i] * v.to.x[j], d = u.from.x[j] * v.to.x[i];
-  const Real e = u.to.x[i] * v.from.x[j], f = u.to.x[j] * v.from.x[i];
-  const Real g = u.to.x[i] * v.to.x[j], h = u.to.x[j] * v.to.x[i];
+  const Real u0i = coordinate(u.from, i), u0j = coordinate(u.from, j);
+  const Real u1i = coordinate(u.to, i), u1j = coordinate(u.to, j);
+  const Real v0i = coordinate(v.from, i), v0j = coordinate(v.from, j);
+  const Real v1i = coordinate(v.to, i), v1j = coordinate(v.to, j);
+  const Real a = u0i * v0j, b = u0j * v0i, c = u0i * v1j, d = u0j * v1i;
+  const Real e = u1i * v0j, f = u1j * v0i, g = u1i * v1j, h = u1j * v1i;
   Quadratic<Real> q;
   q.c[0] = 2 * (a - b);
   q.c[1] = (c - d) + (e - f);
