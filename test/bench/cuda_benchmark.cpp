@@ -188,7 +188,10 @@ void printScenes(const std::vector<MakeMoving>& scenes, const std::string& only,
     if (!only.empty() && moving.name.find(only) == std::string::npos) continue;
     divideIntoParts(moving);
     if (std::getenv("DCM_BENCH_STAGES")) {
-      stages(moving, options);
+      for (const AdjacentPairs adjacent : {AdjacentPairs::kSkip, AdjacentPairs::kBeyondShared}) {
+        options.adjacent = adjacent;
+        stages(moving, options);
+      }
       break;
     }
     whole(moving, options, true);
