@@ -171,7 +171,10 @@ void loadKernels(int device, const Options& warm_up) {
   if (warm_up.motion == Motion::kSwept) {
     options.motion = Motion::kSwept;
     options.geometry = false;
-    runTinyScene(detector, options);
+    for (const bool times : {false, true}) {
+      options.first_times = times;
+      runTinyScene(detector, options);
+    }
   }
   loaded.insert(kernels);
 }

@@ -1,7 +1,8 @@
 // Runs halvedVerdict (core/predicates/swept_feature.h) step by step: it halves the time interval of
 // a feature until a sign is certain. Each lane of a warp can begin another feature as soon as one
-// is done. Intervals that wait are kept as bits, not as polynomials. When such an interval is due,
-// which is rare, it is computed again from the whole interval. So no stack is needed in memory.
+// is done. The last intervals that wait are kept in the thread's memory, and all of them as bits.
+// When an interval is due that is not kept, it is computed again from the whole interval, while the
+// other lanes of the warp wait.
 #pragma once
 
 #include "core/predicates/swept_feature.h"
@@ -11,7 +12,7 @@ namespace deformable_contact_monitor {
 // The outcome of a step.
 enum class HalvingStep {
   kGoesOn,
-  kGoesBack,  // to an interval that has waited; the caller must call goBack()
+  kGoesBack,  // to an interval that is not kept; the caller must call goBack()
   kApart,     // no interval is left: the feature does not meet
   kMeets,     // the feature meets in the current interval
   kOpen,      // the current interval cannot be decided
@@ -21,9 +22,22 @@ enum class HalvingStep {
 template <class Real>
 class Halving {
  public:
+  // The last intervals that wait. Not a member, for arrays that are indexed lie in memory.
+  struct Kept {
+    static constexpr int kMost = 2;
+    detail::FeaturePiece<Real> pieces[kMost];
+    int count;
+
+    __device__ void add(const detail::FeaturePiece<Real>& piece) {
+      if (count == kMost) pieces[0] = pieces[--count];
+      pieces[count++] = piece;
+    }
+  };
+
   // Begins a feature with coplanarity `d`, whose sign must not be certain. Returns false if the
   // feature never meets.
-  __device__ bool begin(const Feature& feature, const Cubic<Real>& d) {
+  __device__ bool begin(const Feature& feature, const Cubic<Real>& d, Kept& kept) {
+    kept.count = 0;
     kind_ = feature.kind;
     piece_.d = d;
     level_ = pieces_ = 0;
@@ -34,7 +48,7 @@ class Halving {
   // Examines the current interval. `narrow`: a meeting interval of at most this width is a result.
   // `until`: intervals that begin later are of no use. `most`: the most intervals to examine.
   __device__ HalvingStep step(float narrow, float until, int most,
-                              const detail::ErrorsOfHalving<Real>& errors) {
+                              const detail::ErrorsOfHalving<Real>& errors, Kept& kept) {
     if (low() > until) return HalvingStep::kApart;
     if (width() <= narrow && detail::isInside(kind_, piece_)) return HalvingStep::kMeets;
     if (level_ == kMostHalvings || pieces_ == most) return HalvingStep::kOpen;
@@ -47,7 +61,10 @@ class Halving {
     path_ <<= 1;
     waiting_ <<= 1;
     if (keeps_left) {
-      waiting_ |= keeps_right ? 1U : 0U;
+      if (keeps_right) {
+        waiting_ |= 1U;
+        kept.add(right);
+      }
       return HalvingStep::kGoesOn;
     }
     if (keeps_right) {
@@ -61,7 +78,9 @@ class Halving {
     level_ -= back;
     path_ = path_ >> back | 1;
     waiting_ = waiting_ >> back & ~1U;
-    return HalvingStep::kGoesBack;
+    if (kept.count == 0) return HalvingStep::kGoesBack;
+    piece_ = kept.pieces[--kept.count];
+    return HalvingStep::kGoesOn;
   }
 
   // Computes the current interval again from the whole interval, after step() returned kGoesBack.

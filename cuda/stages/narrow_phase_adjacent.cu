@@ -39,6 +39,7 @@ __device__ bool certainlyNotBeyond(const MovingTriangle& a, const MovingTriangle
 // One thread for each pair at the end of contacts.open: adds pairs that float32 leaves open to
 // first_list.
 __global__ void __launch_bounds__(kThreads) adjacentKernel(CycleArrays c) {
+  followPrevious();
   forEachByWarp(c, c.counters().open_adjacent, [&](Place k, bool there) {
     Place i(0);
     bool left = false;
@@ -54,6 +55,7 @@ __global__ void __launch_bounds__(kThreads) adjacentKernel(CycleArrays c) {
 // One thread for each of contacts.first_list: decides the pair in double, adds it to the contacts,
 // or leaves it to the host.
 __global__ void __launch_bounds__(kThreads) beyondKernel(CycleArrays c) {
+  followPrevious();
   const CycleParams& params = c.params();
   const std::uint32_t count = sweptCounters(c).beyond;
   // Spreads few pairs over many warps, because the lanes of a warp wait for each other's longest
@@ -87,8 +89,9 @@ __global__ void __launch_bounds__(kThreads) beyondKernel(CycleArrays c) {
 
 void launchNarrowPhaseAdjacent(const CycleArrays& cycle, const CycleShape& shape,
                                cudaStream_t stream) {
-  launchList(adjacentKernel, kThreads, cycle, shape, stream);
-  launchList(beyondKernel, kThreads, cycle, shape, stream);
+  for (const auto kernel : {adjacentKernel, beyondKernel}) {  // plain launches are faster here
+    kernel<<<blocksInOneWave(kernel, kThreads, 0, shape.device), kThreads, 0, stream>>>(cycle);
+  }
 }
 
 }  // namespace deformable_contact_monitor

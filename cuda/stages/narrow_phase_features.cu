@@ -2,143 +2,18 @@
 // against edge) of the pairs that the first part leaves. One thread works on one feature at a time:
 // first in float32, then in double, then by integers. The rest is left to the host.
 #include "cuda/stages/halving.cuh"
-#include "cuda/stages/narrow_phase_moving.cuh"
+#include "cuda/stages/swept_features.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr unsigned kThreads = 128;
-constexpr unsigned kWarps = kThreads / kWarp;
 // A warp with at least so many idle lanes fetches more features.
 constexpr unsigned kHungry = 20;
-
-// One feature of a candidate.
-struct FeatureTask {
-  Place candidate;
-  std::uint32_t index;  // as in featureOf()
-};
-
-// A queue of one warp, in shared memory; `size` is the same in all lanes.
-struct TaskQueue {
-  FeatureTask* items;
-  unsigned size;
-
-  __device__ void push(bool has, const FeatureTask& task) {
-    const unsigned mask = __ballot_sync(kFullWarp, has);
-    if (has) items[size + __popc(mask & ((1U << laneId()) - 1))] = task;
-    size += __popc(mask);
-    __syncwarp();
-  }
-  // Gives a task to each idle lane, as long as there are some. Returns true in the lanes that get
-  // one.
-  __device__ bool pop(bool idle, FeatureTask& task) {
-    const unsigned mask = __ballot_sync(kFullWarp, idle);
-    const unsigned rank = __popc(mask & ((1U << laneId()) - 1));
-    const bool got = idle && rank < size;
-    if (got) task = items[size - 1 - rank];
-    size -= min(size, static_cast<unsigned>(__popc(mask)));
-    __syncwarp();
-    return got;
-  }
-};
-
-__device__ MovingPoint pointAt(const CycleArrays& c, TileEntryIndex at, int i) {
-  return {c.tiles.earlier[at].posed.v[i], c.tiles.entries[at].posed.v[i]};
-}
-
-// Returns a feature as featureOf() does, but reads its points from memory. Triangles in registers
-// could not be indexed by a number that is only known at run time.
-__device__ Feature featureAt(const CycleArrays& c, const FeatureTask& task) {
-  const DeviceCandidate pair = c.contacts.candidates[task.candidate];
-  const int index = static_cast<int>(task.index);
-  if (index < 6) {
-    const TileEntryIndex face = index < 3 ? pair.a : pair.b, other = index < 3 ? pair.b : pair.a;
-    return {FeatureKind::kVertexFace,
-            {pointAt(c, face, 0), pointAt(c, face, 1), pointAt(c, face, 2),
-             pointAt(c, other, index < 3 ? index : index - 3)}};
-  }
-  const int i = (index - 6) / 3, j = (index - 6) % 3;
-  return {FeatureKind::kEdgeEdge,
-          {pointAt(c, pair.a, i), pointAt(c, pair.a, i == 2 ? 0 : i + 1), pointAt(c, pair.b, j),
-           pointAt(c, pair.b, j == 2 ? 0 : j + 1)}};
-}
-
-__device__ bool hasMet(const SweptState& state) { return state.high <= __float_as_uint(1.0F); }
-
-// Reads a value that other threads may change meanwhile.
-__device__ float highOf(const CycleArrays& c, Place candidate) {
-  const volatile std::uint32_t& high = c.contacts.states[candidate].high;
-  return __uint_as_float(high);
-}
-
-// Lowers the pair's time interval to that of a feature that meets, if it is earlier. Many threads
-// may do so at the same time.
-__device__ void addMeeting(const CycleArrays& c, Place candidate, const FeatureVerdict& verdict) {
-  SweptState& state = c.contacts.states[candidate];
-  atomicMin(&state.low, __float_as_uint(verdict.low));
-  atomicMin(&state.high, __float_as_uint(verdict.high));
-}
-
-// Hands out the features that bits of SweptState name, for the pairs of a list, to one warp. Each
-// lane has one pair and hands out one feature at a time. Edges against edges come first: they are
-// more likely to meet, and the first feature that meets may decide the pair.
-class FeatureSource {
- public:
-  // `bits_at`: the lowest of these bits in SweptState::bits.
-  __device__ FeatureSource(const CycleArrays& c, const DeviceArray<Place, Place>& list,
-                           std::uint32_t count, unsigned bits_at)
-      : c_(c), list_(list), count_(count), bits_at_(bits_at), warps_(gridDim.x * kWarps) {
-    pairs_ = max(1U, min(kWarp, count / warps_));  // spreads few pairs over many warps
-    first_ = (blockIdx.x * kThreads + threadIdx.x) / kWarp * pairs_;
-    more_ = first_ < count_;
-  }
-  __device__ bool hasMore() const { return more_; }
-
-  // Sets `task` to the lane's next feature; returns false if it has none. Called by the whole warp.
-  __device__ bool next(FeatureTask& task) {
-    if (__ballot_sync(kFullWarp, rest_ != 0) == 0) takePairs();
-    const bool has = rest_ != 0;
-    if (has) {
-      const std::uint32_t edges = rest_ >> kVertexFaces;
-      task = {pair_, edges != 0 ? kVertexFaces + lowest(edges) : lowest(rest_)};
-      rest_ &= ~(1U << task.index);
-    }
-    more_ = first_ < count_ || __ballot_sync(kFullWarp, rest_ != 0) != 0;
-    return has;
-  }
-
- private:
-  static constexpr std::uint32_t kVertexFaces = 6;
-  __device__ static std::uint32_t lowest(std::uint32_t bits) {
-    return static_cast<std::uint32_t>(__ffs(static_cast<int>(bits)) - 1);
-  }
-  __device__ void takePairs() {
-    const std::uint32_t k = first_ + laneId();
-    if (laneId() < pairs_ && k < count_) {
-      pair_ = list_[Place(k)];
-      rest_ = c_.contacts.states[pair_].bits >> bits_at_ & kFeatureBits;
-    }
-    first_ += warps_ * pairs_;
-  }
-
-  const CycleArrays& c_;
-  const DeviceArray<Place, Place>& list_;
-  std::uint32_t count_;
-  unsigned bits_at_;
-  std::uint32_t warps_, pairs_, first_;
-  bool more_;
-  Place pair_{0};
-  std::uint32_t rest_ = 0;
-};
-
-// Returns whether a pair needs no more features: one has met, and the time is not asked for.
-__device__ bool isDecided(const CycleArrays& c, Place candidate, bool wants_time) {
-  return !wants_time && highOf(c, candidate) <= 1;
-}
 
 struct HalvingLimits {
   bool wants_time;
   int most_pieces;
+  float narrow = wants_time ? 1.0F / (1 << kTimeHalvings) : 1.0F;  // as in Halving::step()
 };
 
 // Halves the features of a source (halving.cuh), except those of pairs that are decided.
@@ -149,12 +24,12 @@ template <class Real, class Takes, class Finish>
 __device__ void halveFeatures(const CycleArrays& c, FeatureSource source,
                               const HalvingLimits& limits, const Takes& takes,
                               const Finish& finish) {
-  __shared__ FeatureTask items[kWarps][2 * kWarp];
-  const std::uint32_t warp = (blockIdx.x * kThreads + threadIdx.x) / kWarp;
-  const float narrow = limits.wants_time ? 1.0F / (1 << kTimeHalvings) : 1.0F;
+  __shared__ FeatureTask items[kFeatureWarps][2 * kWarp];
+  const std::uint32_t warp = (blockIdx.x * kFeatureThreads + threadIdx.x) / kWarp;
   TaskQueue queue{items[threadIdx.x / kWarp], 0};
   FeatureTask task{};
   Halving<Real> halving;
+  typename Halving<Real>::Kept kept;
   detail::ErrorsOfHalving<Real> errors;
   bool active = false;
   for (std::uint32_t turn = 0;; ++turn) {
@@ -171,7 +46,7 @@ __device__ void halveFeatures(const CycleArrays& c, FeatureSource source,
           const Feature feature = featureAt(c, task);
           const Cubic<Real> d = coplanarity<Real>(feature);
           if (takes(task, d)) {
-            active = halving.begin(feature, d);
+            active = halving.begin(feature, d, kept);
             if (active) {
               errors = halving.errors();
             } else {
@@ -190,7 +65,7 @@ __device__ void halveFeatures(const CycleArrays& c, FeatureSource source,
       active = false;
       continue;
     }
-    const HalvingStep step = halving.step(narrow, high, limits.most_pieces, errors);
+    const HalvingStep step = halving.step(limits.narrow, high, limits.most_pieces, errors, kept);
     if (step == HalvingStep::kGoesOn) continue;
     if (step == HalvingStep::kGoesBack) {
       const Feature feature = featureAt(c, task);
@@ -216,31 +91,43 @@ __device__ bool isLost(const Cubic<Real>& d) {
 }
 
 // One thread for each of contacts.second_list: marks the features that their boxes and the signs of
-// their cubics leave open.
-__global__ void __launch_bounds__(kThreads) signsKernel(CycleArrays c) {
+// their cubics leave open; with kRoots, those whose cubic has one root for coarseRootKernel.
+template <bool kRoots>
+__global__ void __launch_bounds__(kFeatureThreads, 4) signsKernel(CycleArrays c) {
+  followPrevious();
+  const bool by_roots = kRoots && looksForRoots(c);
   forEachByWarp(c, sweptCounters(c).featured, [&](Place k, bool there) {
     if (!there) return;
     const Place i = c.contacts.second_list[k];
     const DeviceCandidate pair = c.contacts.candidates[i];
     const MovingTriangle a = movingAt(c, pair.a), b = movingAt(c, pair.b);
     const FeatureBoxes boxes(a, b);
-    std::uint32_t bits = 0;
+    std::uint32_t left = 0, roots = 0;
 #pragma unroll
     for (int f = 0; f < kFeatures; ++f) {
       if (boxes.areApart(f)) continue;
-      if (coplanarity<float>(featureOf(a, b, f)).sign() == 0) bits |= 1U << f;
+      const Cubic<float> d = coplanarity<float>(featureOf(a, b, f));
+      if (d.sign() != 0) continue;
+      left |= 1U << f;
+      if (kRoots && detail::hasOneRoot(d)) roots |= 1U << f;
     }
-    c.contacts.states[i].bits |= bits << kLeftAt;
+    if (!by_roots) roots = 0;
+    c.contacts.states[i].bits |= (left & ~roots) << kLeftAt | roots;
+    if (kRoots) c.contacts.candidates[i].facts = uncertainBits(left & ~roots);
   });
 }
 
 // Examines the features that signsKernel left, in float32. Pairs with open features are added to
-// first_list.
-__global__ void __launch_bounds__(kThreads) featureKernel(CycleArrays c) {
+// first_list. If roots are looked for, features only have to meet in a short interval, and are left
+// to double.
+__global__ void __launch_bounds__(kFeatureThreads, 4) featureKernel(CycleArrays c) {
+  followPrevious();
   const CycleParams& params = c.params();
   const bool wants_time = params.first_times != 0;
   const bool fast = params.predicates == Predicates::kFast;
-  const int most_in_float = wants_time ? 64 : 16;  // double continues
+  HalvingLimits limits{wants_time, fast ? kMostPieces : 16};  // double continues
+  const bool coarse = wants_time && !fast;
+  if (coarse) limits.narrow = 1.0F / (1 << detail::kRootHalvings<float>);
   const auto leaveOpen = [&c, fast](const FeatureTask& task, float low) {
     SweptState& state = c.contacts.states[task.candidate];
     const std::uint32_t before = atomicOr(&state.bits, 1U << task.index);
@@ -251,21 +138,26 @@ __global__ void __launch_bounds__(kThreads) featureKernel(CycleArrays c) {
     }
   };
   halveFeatures<float>(
-      c, FeatureSource(c, c.contacts.second_list, sweptCounters(c).featured, kLeftAt),
-      {wants_time, fast ? kMostPieces : most_in_float},
+      c, FeatureSource(c, c.contacts.second_list, sweptCounters(c).featured, kLeftAt), limits,
       [&](const FeatureTask& task, const Cubic<float>& d) {
         if (fast || !isLost(d)) return true;
         leaveOpen(task, 0);
         return false;
       },
       [&](const FeatureTask& task, const FeatureVerdict& verdict) {
-        if (verdict.part == PartVerdict::kMeet) addMeeting(c, task.candidate, verdict);
+        if (verdict.part == PartVerdict::kMeet && !coarse) addMeeting(c, task.candidate, verdict);
+        if (verdict.part == PartVerdict::kMeet && coarse) {
+          lowerHigh(c, task.candidate, verdict.high);
+          if (verdict.high - verdict.low == limits.narrow) markCertain(c, task);
+          leaveOpen(task, verdict.low);
+        }
         if (verdict.part == PartVerdict::kOpen) leaveOpen(task, verdict.low);
       });
 }
 
 // Examines the open features of contacts.first_list in double.
-__global__ void __launch_bounds__(kThreads) doubleKernel(CycleArrays c) {
+__global__ void __launch_bounds__(kFeatureThreads) doubleKernel(CycleArrays c) {
+  followPrevious();
   const CycleParams& params = c.params();
   const bool wants_time = params.first_times != 0;
   halveFeatures<double>(
@@ -283,7 +175,8 @@ __global__ void __launch_bounds__(kThreads) doubleKernel(CycleArrays c) {
 
 // One thread for each feature of contacts.first_list that double leaves open: decides those that
 // integer arithmetic can.
-__global__ void __launch_bounds__(kThreads) integerKernel(CycleArrays c) {
+__global__ void __launch_bounds__(kFeatureThreads) integerKernel(CycleArrays c) {
+  followPrevious();
   const CycleParams& params = c.params();
   const bool wants_time = params.first_times != 0;
   if (params.predicates != Predicates::kExact) return;
@@ -304,7 +197,8 @@ __global__ void __launch_bounds__(kThreads) integerKernel(CycleArrays c) {
 
 // One thread for each of contacts.second_list: combines the verdicts on its features. The pair is a
 // contact, is left to the host, or is listed for the test of its pad.
-__global__ void __launch_bounds__(kThreads) verdictKernel(CycleArrays c) {
+__global__ void __launch_bounds__(kFeatureThreads) verdictKernel(CycleArrays c) {
+  followPrevious();
   const CycleParams& params = c.params();
   const bool wants_time = params.first_times != 0;
   const bool exact = params.predicates == Predicates::kExact;
@@ -347,12 +241,16 @@ __global__ void __launch_bounds__(kThreads) verdictKernel(CycleArrays c) {
 
 void launchNarrowPhaseFeatures(const CycleArrays& cycle, const CycleShape& shape,
                                cudaStream_t stream) {
-  launchList(signsKernel, kThreads, cycle, shape, stream);
-  launchList(featureKernel, kThreads, cycle, shape, stream);
-  launchList(doubleKernel, kThreads, cycle, shape, stream);
-  launchList(integerKernel, kThreads, cycle, shape, stream);
+  launchList(shape.roots ? signsKernel<true> : signsKernel<false>, kFeatureThreads, cycle, shape,
+             stream);
+  if (shape.roots) launchCoarseRoots(cycle, shape, stream);
+  launchList(featureKernel, kFeatureThreads, cycle, shape, stream);
+  if (shape.roots && shape.times) launchFineRoots(cycle, shape, stream);
+  launchList(doubleKernel, kFeatureThreads, cycle, shape, stream);
+  launchList(integerKernel, kFeatureThreads, cycle, shape, stream);
   constexpr unsigned kVerdictBlocksEach = 3;  // of a multiprocessor
-  verdictKernel<<<kVerdictBlocksEach * shape.device.multiprocessors, kThreads, 0, stream>>>(cycle);
+  launchDependent(verdictKernel, kVerdictBlocksEach * shape.device.multiprocessors, kFeatureThreads,
+                  0, shape.device, stream, cycle);
 }
 
 }  // namespace deformable_contact_monitor

@@ -31,6 +31,7 @@ __device__ bool planesLeave(const MovingTriangle& a, const MovingTriangle& b,
 // One thread for each of contacts.candidates: adds pairs that planes leave, and pairs that share
 // vertices, to contacts.open.
 __global__ void __launch_bounds__(kThreads) planesKernel(CycleArrays c) {
+  followPrevious();
   const std::uint32_t count = candidateCount(c);
   forEachByWarp(c, count, [&](Place i, bool there) {
     DeviceCandidate candidate{};
@@ -52,6 +53,7 @@ __global__ void __launch_bounds__(kThreads) planesKernel(CycleArrays c) {
 // both ends. A pair that meets at the start is a contact at time 0. A pair that meets at the end is
 // one too, unless its time is asked for. Pairs that stay open are added to first_list.
 __global__ void __launch_bounds__(kThreads) staticKernel(CycleArrays c) {
+  followPrevious();
   const CycleParams& params = c.params();
   forEachByWarp(c, c.counters().open, [&](Place k, bool there) {
     Place i(0);
@@ -92,6 +94,7 @@ __global__ void __launch_bounds__(kThreads) staticKernel(CycleArrays c) {
 // One thread for each pair of first_list: tests fixed separating directions. What they leave goes
 // to third_list if a static filter left an end open, else to second_list.
 __global__ void __launch_bounds__(kThreads) directionsKernel(CycleArrays c) {
+  followPrevious();
   forEachByWarp(c, sweptCounters(c).moving, [&](Place k, bool there) {
     Place i(0);
     bool apart = false, open = false;
@@ -111,6 +114,7 @@ __global__ void __launch_bounds__(kThreads) directionsKernel(CycleArrays c) {
 // One thread for each pair of third_list: decides the ends that the static filters left open. Adds
 // contacts, and pairs that are still open to second_list.
 __global__ void __launch_bounds__(kThreads) robustKernel(CycleArrays c) {
+  followPrevious();
   const CycleParams& params = c.params();
   forEachByWarp(c, sweptCounters(c).robust, [&](Place k, bool there) {
     Place i(0);
@@ -155,6 +159,7 @@ __global__ void __launch_bounds__(kThreads) robustKernel(CycleArrays c) {
 // One thread for each of contacts.dismissed: tests whether a pad makes the pair a contact. This is
 // the last kernel of a cycle, so it also copies the counters to the host.
 __global__ void __launch_bounds__(kThreads) padKernel(CycleArrays c) {
+  followPrevious();
   const std::uint32_t count = c.params().pads == 0 ? 0 : sweptCounters(c).dismissed;
   forEachByWarp(c, count, [&](Place k, bool there) {
     Place i(0);
@@ -174,7 +179,9 @@ __global__ void __launch_bounds__(kThreads) padKernel(CycleArrays c) {
 
 void launchNarrowPhaseMoving(const CycleArrays& cycle, const CycleShape& shape,
                              cudaStream_t stream) {
-  launchList(planesKernel, kThreads, cycle, shape, stream);
+  // Other branches may end just before this kernel, so that it is a plain launch.
+  const unsigned blocks = blocksInOneWave(planesKernel, kThreads, 0, shape.device);
+  planesKernel<<<blocks, kThreads, 0, stream>>>(cycle);
   launchList(staticKernel, kThreads, cycle, shape, stream);
   launchList(directionsKernel, kThreads, cycle, shape, stream);
   launchList(robustKernel, kThreads, cycle, shape, stream);
@@ -183,7 +190,8 @@ void launchNarrowPhaseMoving(const CycleArrays& cycle, const CycleShape& shape,
   if (shape.pads) {
     launchList(padKernel, kThreads, cycle, shape, stream);
   } else {
-    padKernel<<<1, kThreads, 0, stream>>>(cycle);  // only copies the counters
+    // Only copies the counters.
+    launchDependent(padKernel, 1, kThreads, 0, shape.device, stream, cycle);
   }
 }
 

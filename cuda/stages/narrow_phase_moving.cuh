@@ -89,19 +89,29 @@ __device__ inline void forEachByWarp(const CycleArrays& c, std::uint32_t count,
   }
 }
 
-// Enqueues the stage in swept motion; launchNarrowPhase() calls it. The two functions below it are
+// Enqueues the stage in swept motion; launchNarrowPhase() calls it. The functions below it are
 // its parts.
 void launchNarrowPhaseMoving(const CycleArrays& cycle, const CycleShape& shape,
                              cudaStream_t stream);
 void launchNarrowPhaseFeatures(const CycleArrays& cycle, const CycleShape& shape,
                                cudaStream_t stream);
+void launchCoarseRoots(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+void launchFineRoots(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 void launchNarrowPhaseAdjacent(const CycleArrays& cycle, const CycleShape& shape,
                                cudaStream_t stream);
 
-// Launches a kernel that goes through a list, with as many blocks as the device can run at once.
+// Launches a kernel that goes through a list, with as many blocks as the device can run at once. It
+// must begin with followPrevious(), and directly follow another such kernel in the stream.
 inline void launchList(void (*kernel)(CycleArrays), unsigned threads, const CycleArrays& cycle,
                        const CycleShape& shape, cudaStream_t stream) {
-  kernel<<<blocksInOneWave(kernel, threads, 0, shape.device), threads, 0, stream>>>(cycle);
+  launchDependent(kernel, blocksInOneWave(kernel, threads, 0, shape.device), threads, 0,
+                  shape.device, stream, cycle);
+}
+
+// Waits for the previous kernel, and lets the blocks of the next one come as soon as there is room.
+__device__ inline void followPrevious() {
+  awaitPreviousKernel();
+  letNextKernelStart();
 }
 
 }  // namespace deformable_contact_monitor

@@ -80,7 +80,7 @@ __device__ inline KnownSides unpackSides(std::uint32_t packed) {
 }
 
 // SweptState::bits has a bit for each open feature, then a bit for each feature to be halved, and
-// then two flags.
+// then two flags. For a while, the first bits are of features whose only root is looked for.
 constexpr std::uint32_t kFeatureBits = (1U << kFeatures) - 1;
 constexpr unsigned kLeftAt = kFeatures;
 constexpr std::uint32_t kMeetsAtEnd = 1U << 30, kUndecided = 1U << 31;

@@ -114,6 +114,36 @@ TEST_F(SweptCuda, FirstTimesAreAsNarrowAsPromisedAndOverlapTheCpus) {
   EXPECT_GT(by_pad, 0U);
 }
 
+// Of so many pairs the device looks for roots at once, with and without times.
+TEST_F(SweptCuda, ManyPairsAndTheirTimesAreThoseOfTheCpu) {
+  if (detector_ == nullptr) return;
+  Scene scene;
+  const BodyId low = scene.addBody("low", clothGrid(40, 1, 0, 0.1F));
+  const BodyId high = scene.addBody("high", clothGrid(40, 1, 0.2F, 0.08F));
+  std::vector<float> earlier = scene.body(high).mesh.vertices;
+  for (std::size_t i = 0; i < earlier.size(); ++i) {
+    earlier[i] += i % 3 == 2 ? -0.4F : 0.02F * static_cast<float>(i % 7);
+  }
+  scene.setEarlier(high, RigidTransform(), earlier);
+  scene.setPairEnabled(low, high, true);
+  scene.setPairEnabled(high, high, true);
+  for (const bool times : {false, true}) {
+    Options options = swept();
+    options.first_times = times;
+    const DetectionResult& found = detector_->detect(scene, options);
+    const DetectionResult& on_cpu = cpu_->detect(scene, options);
+    EXPECT_GT(on_cpu.contacts.size(), 25000U);
+    EXPECT_TRUE(samePairs(on_cpu.contacts, found.contacts));
+    ASSERT_EQ(found.first_times.size(), times ? found.contacts.size() : 0);
+    for (std::size_t i = 0; i < found.first_times.size(); ++i) {
+      const FirstContact &a = found.first_times[i], &b = on_cpu.first_times[i];
+      ASSERT_LE(a.low, b.high) << i;
+      ASSERT_LE(b.low, a.high) << i;
+      ASSERT_LE(a.high - a.low, 0x1p-20F) << i;
+    }
+  }
+}
+
 // Two flat sheets, one of which slides in their plane, so that all its first contacts are ties.
 Scene slidingSheets(float width) {
   Scene scene;

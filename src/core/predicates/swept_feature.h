@@ -119,6 +119,8 @@ DCM_HD inline int projectionAxis(const MovingVector<Real>& u, const MovingVector
 // fold pqa, pqb.
 template <class Real>
 struct FeaturePiece {
+  using Number = Real;
+
   Cubic<Real> d;
   Quadratic<Real> q[4];  // not kept where its sign is known
   int sign[4];           // certain on the whole interval, or 0
@@ -155,10 +157,11 @@ DCM_HD inline bool isInside(FeatureKind kind, const FeaturePiece<Real>& piece) {
   return inside && areOpposite(piece.d.signAtStart(), piece.d.signAtEnd());
 }
 
-// Computes the orientations in the whole interval. Returns false if they show at once that the
-// parts are apart.
-template <class Real>
-DCM_HD inline bool setOrientations(const Feature& feature, FeaturePiece<Real>& piece) {
+// Computes the orientations in the whole interval, or in what the piece's set() knows. Returns
+// false if they show at once that the parts are apart.
+template <class Piece>
+DCM_HD inline bool setOrientations(const Feature& feature, Piece& piece) {
+  using Real = typename Piece::Number;
   const MovingPoint* const x = feature.x;
   const MovingVector<Real> u(x[0], x[1]), v(x[0], x[2]), w(x[0], x[3]);
   piece.sign[0] = piece.sign[1] = piece.sign[2] = piece.sign[3] = 0;
@@ -279,6 +282,29 @@ constexpr int kRootHalvings = kTimeHalvings;
 template <>
 inline constexpr int kRootHalvings<float> = 8;
 
+// Finds the short interval around the only root of a cubic: the part number `first` of 2^halvings
+// equal parts. `d` becomes the cubic in it. Returns false if the root is not certainly there.
+// `more` is errorOfHalving() of the cubic in the whole interval of time.
+template <class Real>
+DCM_HD inline bool narrowToRoot(int halvings, Real more, Cubic<Real>& d, std::uint32_t& first) {
+  const auto parts = static_cast<Real>(1 << halvings);
+  const Real place = rootOf(d) * parts;
+  if (!(place >= 0 && place < parts)) return false;
+  first = static_cast<std::uint32_t>(place);
+  const Real from = static_cast<Real>(first);
+  d.restrict(from / parts, (from + 1) / parts, more, d);
+  return areOpposite(d.signAtStart(), d.signAtEnd());
+}
+
+// Returns the verdict on a feature that can only meet in `piece`, which begins at `low`.
+template <class Real>
+DCM_HD inline FeatureVerdict verdictIn(FeatureKind kind, const FeaturePiece<Real>& piece,
+                                       float low) {
+  if (isApart(kind, piece)) return {};
+  if (!isInside(kind, piece)) return {PartVerdict::kOpen, 0, 1};
+  return {PartVerdict::kMeet, low, low + 1.0F / (1 << kRootHalvings<Real>)};
+}
+
 // Decides a feature in an interval in which its coplanarity has one root. It only meets there, so
 // that its signs in a short interval with the root decide, if they are certain.
 template <class Real>
@@ -286,25 +312,23 @@ DCM_HD inline FeatureVerdict verdictAtRoot(FeatureKind kind, const FeaturePiece<
                                            const ErrorsOfHalving<Real>& errors,
                                            const HalvedInterval& interval) {
   const FeatureVerdict open{PartVerdict::kOpen, interval.low(), 1};
-  if (interval.level >= kRootHalvings<Real>) return open;
-  const auto parts = static_cast<Real>(1 << (kRootHalvings<Real> - interval.level));
-  const Real place = rootOf(piece.d) * parts;
-  if (!(place >= 0 && place < parts)) return open;
-  const Real first = static_cast<Real>(static_cast<std::int32_t>(place));
+  const int halvings = kRootHalvings<Real> - interval.level;
   FeaturePiece<Real> part;
-  piece.d.restrict(first / parts, (first + 1) / parts, errors.d, part.d);
-  if (!areOpposite(part.d.signAtStart(), part.d.signAtEnd())) return open;
+  part.d = piece.d;
+  std::uint32_t first = 0;
+  if (halvings <= 0 || !narrowToRoot(halvings, errors.d, part.d, first)) return open;
+  const auto parts = static_cast<Real>(1 << halvings), from = static_cast<Real>(first);
   for (int i = 0; i < 4; ++i) {
     part.sign[i] = piece.sign[i];
     if (part.sign[i] != 0) continue;
-    piece.q[i].restrict(first / parts, (first + 1) / parts, errors.q[i], part.q[i]);
+    piece.q[i].restrict(from / parts, (from + 1) / parts, errors.q[i], part.q[i]);
     part.sign[i] = part.q[i].sign();
   }
-  if (isApart(kind, part)) return {};
-  if (!isInside(kind, part)) return open;
   constexpr float kWidth = 1.0F / (1 << kRootHalvings<Real>);
-  const float low = interval.low() + static_cast<float>(first) * kWidth;
-  return {PartVerdict::kMeet, low, low + kWidth};
+  FeatureVerdict verdict =
+      verdictIn(kind, part, interval.low() + static_cast<float>(first) * kWidth);
+  if (verdict.part == PartVerdict::kOpen) verdict.low = interval.low();
+  return verdict;
 }
 
 // Returns whether the boxes of the two parts of a feature are certainly apart during the interval.

@@ -11,6 +11,7 @@
 
 #include "core/mesh_file.h"
 #include "core/predicates/swept_exact.h"
+#include "core/predicates/swept_roots.h"
 #include "moving_features.h"
 #include "moving_meshes.h"
 #include "swept/swept_oracle.h"
@@ -21,7 +22,7 @@ namespace {
 
 // Counts of what decides.
 struct Tally {
-  int halving = 0, exact = 0;
+  int halving = 0, exact = 0, roots = 0;
 };
 
 // By the filters, halving, and what they leave by integers.
@@ -35,6 +36,31 @@ bool meets(const Feature& feature, Tally* tally) {
   }
   ++tally->exact;
   return exactFeatureTime(feature, false).happens();
+}
+
+// Compares what the only root of the cubic says with the truth, if there is one: in the whole
+// interval of time, and in its part in which the feature meets or that follows.
+template <class Real>
+void expectByRoot(const Feature& feature, bool expected, Tally* tally) {
+  const Cubic<Real> d = coplanarity<Real>(feature);
+  if (d.sign() != 0) return;
+  const FeatureVerdict verdict = detail::verdictByRoot(feature, d, detail::HalvedInterval{});
+  if (verdict.part == PartVerdict::kOpen) return;
+  ++tally->roots;
+  ASSERT_EQ(verdict.part == PartVerdict::kMeet, expected);
+  if (!expected) return;
+  const FirstTime exact = exactFeatureTime(feature, true);
+  EXPECT_LE(verdict.low, exact.high);
+  EXPECT_LE(exact.low, verdict.high);
+  constexpr int kLevel = 5;
+  const auto path = static_cast<std::uint32_t>(verdict.low * (1 << kLevel));
+  const FeatureVerdict part = detail::verdictByRoot(feature, d, {kLevel, path, 0});
+  if (part.part == PartVerdict::kMeet) {
+    EXPECT_EQ(part.low, verdict.low);
+    EXPECT_EQ(part.high, verdict.high);
+  }
+  EXPECT_NE(part.part, PartVerdict::kApart);
+  EXPECT_NE(detail::verdictByRoot(feature, d, {kLevel, path ^ 1, 0}).part, PartVerdict::kMeet);
 }
 
 nlohmann::json readJson(const std::string& name) {
@@ -92,6 +118,11 @@ void expectListedTruth(const Frames& frames, const std::string& folder, const st
       const Feature feature = faces ? frames.vertexFace(a, b) : frames.edgeEdge(a, b);
       const bool expected = truth[i];
       ASSERT_EQ(meets(feature, tally), expected) << name << " " << i;
+      if (i % 16 == 1 && !meetsAtStart(feature)) {
+        SCOPED_TRACE(name + " " + std::to_string(i));
+        ASSERT_NO_FATAL_FAILURE(expectByRoot<double>(feature, expected, tally));
+        ASSERT_NO_FATAL_FAILURE(expectByRoot<float>(feature, expected, tally));
+      }
       ++seen;
       positive += expected ? 1 : 0;
       if (i % 16 == 0) {
@@ -117,6 +148,7 @@ TEST(SweptTruth, ListedPairsOfClothBall) {
   expectListedTruth(Frames("cloth-ball/cloth_ball92.ply", "cloth-ball/cloth_ball93.ply"),
                     "cloth-ball", "92", 113859, &tally);
   EXPECT_GT(tally.halving, 0);
+  EXPECT_GT(tally.roots, 100);
 }
 
 // Eight lines a query: the four points in state 0, then in state 1; a coordinate is two integers,
