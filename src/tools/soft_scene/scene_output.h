@@ -42,9 +42,9 @@ class SceneOutput {
   ros::NodeHandle* node_;
   std::map<std::string, ros::Publisher> publishers_;  // by topic
   std::optional<rosbag::Bag> bag_;
-  ros::Duration period_;      // the expected time between two messages
+  ros::Duration period_;           // the expected time between two messages
   std::uint32_t subscribers_ = 0;  // of the object's topic, at the latest message
-  ros::Time triangles_sent_;  // stamp of the latest message with triangles; zero: none yet
+  ros::Time triangles_sent_;       // stamp of the latest message with triangles; zero: none yet
   std::uint32_t topology_id_ = 0;
 };
 
