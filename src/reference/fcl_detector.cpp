@@ -19,6 +19,7 @@
 #include "core/common/part_table.h"
 #include "core/common/scene_queries.h"
 #include "core/common/stopwatch.h"
+#include "core/predicates/adjacency.h"
 #include "core/predicates/triangle_distance.h"
 #include "core/predicates/triangle_intersection.h"
 #include "core/rules/margins.h"
