@@ -317,6 +317,7 @@ TEST(PartsWithinATolerance, AreDecidedByWhatCounts) {
   EXPECT_GE(decided[static_cast<int>(PairDecision::kContact)], kScenes / 100 * 10);
 }
 
+#ifdef DCM_HAVE_FCL
 // FCL, on triangles that share no vertex, as far as it is exact.
 TEST(PartsByFcl, LeaveTheContactsThatBruteForceLeaves) {
   const auto fcl = makeFclDetector();
@@ -339,6 +340,7 @@ TEST(PartsByFcl, LeaveTheContactsThatBruteForceLeaves) {
     }
   }
 }
+#endif
 
 // What no enabled pair of parts needs is not looked at.
 TEST_P(PartsSuite, WithoutAPairAreLeftOutEarly) {
