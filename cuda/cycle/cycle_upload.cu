@@ -111,6 +111,7 @@ void CycleUpload::setParams(const Options& options, const CycleLimit& limit) {
   params = cycleParams(options, scene.triangleCount(), scene.groupCount(), scene.anyLengths(),
                        scene.tables().part_use);
   params.scale = inspector_.scale();
+  params.diagonals = DiagonalFrame(params.scale);
   params.size = inspector_.sizeRule();
   params.limited = limit.isSet() ? 1 : 0;
   params.partition = partition_;

@@ -5,6 +5,7 @@
 
 #include "core/detector.h"
 #include "core/options.h"
+#include "core/rules/diagonal_box.h"
 #include "core/rules/scene_scale.h"
 #include "cuda/partitions/scene_partition.h"
 
@@ -24,6 +25,7 @@ constexpr std::uint32_t kLeastUnitColumns = 8, kMostUnitColumns = 64;
 // cycle.
 struct CycleParams {
   SceneScale scale;
+  DiagonalFrame diagonals;
   SizeRule size;
   float overlap;
   float fuzzifier;

@@ -56,6 +56,18 @@ __device__ Aabb passedBox(const CycleArrays& c, const Corners<kStates>& corners,
                   c.scene.common_motion[Place(0)]);
 }
 
+// Returns the intervals of all that the triangle passes along the diagonals, see TileArrays.
+template <int kStates>
+__device__ DiagonalBox passedDiagonals(const CycleArrays& c, const Corners<kStates>& corners,
+                                       float grown_m) {
+  constexpr int kPoints = 3 * kStates;
+  Vec3f v[kPoints];
+  for (int k = 0; k < kPoints; ++k) {
+    v[k] = k < 3 ? corners.v[k] : corners.v[k] - c.scene.common_motion[Place(0)];
+  }
+  return diagonalBox<kPoints>(v, grown_m, c.params().diagonals);
+}
+
 // Stores the triangle's centroid as a sample for fuzzy c-means, if its number is one of those that
 // are sampled. Triangles that are not regular become empty samples.
 template <int kStates>
@@ -322,6 +334,7 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
     if (kStates > 1) c.tiles.earlier[slot].posed = corners.earlier();
   }
   c.tiles.boxes[slot] = TileEntryBox::of(here ? passedBox(c, corners, body.margin_m, box) : Aabb());
+  if (here) c.tiles.diagonals[slot] = passedDiagonals(c, corners, body.margin_m);
   if (large) c.tiles.oversized[Place(atomicAdd(&c.counters().oversized, 1U))] = slot;
   const Aabb all = warpBox(regular ? box : Aabb());
   const std::uint32_t list = live == 0 || c.usesBruteForce()

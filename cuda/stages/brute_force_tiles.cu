@@ -1,6 +1,7 @@
 // Stage sweep for scenes with one cluster of few tiles: tests the box of each tile against that of
 // every other tile. A block tests kRows rows against kColumns columns. Each thread tests one column
 // against all rows; the hits of a warp are then listed, so that further tests run on full warps.
+#include "cuda/device/boxes.cuh"
 #include "cuda/device/launch.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/stages.cuh"
@@ -54,6 +55,7 @@ constexpr Hit kDense = 1U << 10, kOther = 1U << 11;
 
 struct BlockTiles {
   TileEntryBox rows[kRows], columns[kColumns];  // empty if the tile has no live triangle
+  TileEntryBox all_rows;
   std::uint32_t row_group[kRows];
   std::uint32_t column_mask[kColumns];  // groups that the column's group may touch
   Hit hits[kColumns / kWarp][kWarp * kRows];
@@ -91,10 +93,13 @@ class RowsByColumns {
   }
 
   __device__ void run() const {
-    if (threadIdx.x < kRows) tiles_.rows[threadIdx.x] = boxOfTile(c_, first_row_ + threadIdx.x);
-    tiles_.columns[threadIdx.x] = boxOfTile(c_, first_column_ + threadIdx.x);
+    if (threadIdx.x < kWarp) fetchRows();
+    const TileEntryBox column = boxOfTile(c_, first_column_ + threadIdx.x);
     __syncthreads();
-    const std::uint32_t count = listHits(rowsThatMeet());
+    // Tiles close to each other have numbers close to each other, so most warps meet no row.
+    if (__any_sync(kFullWarp, intersects(column.box(), tiles_.all_rows.box())) == 0) return;
+    tiles_.columns[threadIdx.x] = column;
+    const std::uint32_t count = listHits(rowsThatMeet(column.box()));
     if (count == 0) return;
     std::uint32_t dense, others;
     markHits(count, dense, others);
@@ -112,9 +117,17 @@ class RowsByColumns {
     return first_of_warp_ + (hit >> kColumnShift) % kWarp;
   }
 
+  // Reads the rows' boxes, and finds the box of all rows. Called by the first warp.
+  __device__ void fetchRows() const {
+    static_assert(kRows <= kWarp);
+    const bool mine = laneId() < kRows;
+    const TileEntryBox row = mine ? boxOfTile(c_, first_row_ + laneId()) : TileEntryBox::of(Aabb());
+    if (mine) tiles_.rows[laneId()] = row;
+    const Aabb all = warpBox(row.box());
+    if (laneId() == 0) tiles_.all_rows = TileEntryBox::of(all);
+  }
   // Returns the rows, as bits, that come before this thread's column and whose boxes meet its box.
-  __device__ unsigned rowsThatMeet() const {
-    const Aabb box = tiles_.columns[threadIdx.x].box();
+  __device__ unsigned rowsThatMeet(const Aabb& box) const {
     unsigned met = 0;
 #pragma unroll
     for (unsigned k = 0; k < kRows; ++k) {

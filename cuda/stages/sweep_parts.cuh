@@ -25,6 +25,14 @@ __device__ inline bool isDense(const Aabb& a, const Aabb& b) {
   return fractionWithin(a, b) * fractionWithin(b, a) > kMany;
 }
 
+// Returns the lanes before this one, as bits. The value is read once and kept, where the compiler
+// would compute it again in each step of a loop.
+__device__ inline unsigned lanesBelow() {
+  unsigned mask;
+  asm volatile("mov.u32 %0, %%lanemask_lt;" : "=r"(mask));
+  return mask;
+}
+
 // A queue of one warp, in shared memory. `size` is the same in all lanes. The caller makes sure
 // that there is room. All calls are made by the whole warp.
 template <class T>

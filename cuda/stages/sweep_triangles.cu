@@ -31,6 +31,7 @@ struct ScheduleNumbers {
     const std::uint32_t log_most = most == 0 ? 0 : 31 - __clz(static_cast<int>(most));
     log_parts = min(log_most, kMostLogParts);
     log_dense_parts = max(log_parts, dense <= kDenseEach * warps ? 1U : 0U);
+    if (c.params().passes != 1) log_parts = log_dense_parts = 0;  // passes divide pairs too
     dense_end = tiles + (dense << log_dense_parts);
     end = dense_end + (others << log_parts);
   }
@@ -78,7 +79,7 @@ class PairSchedule {
     const Place place(numberOfKind() >> logParts());
     return isDense() ? c_.sweep.dense_pairs[place] : c_.sweep.tile_pairs[place];
   }
-  __device__ std::uint32_t part() const { return numberOfKind() & (parts() - 1); }
+  __device__ std::uint32_t part() const { return isSelf() ? 0 : numberOfKind() & (parts() - 1); }
   __device__ std::uint32_t parts() const { return 1U << logParts(); }
 
  private:
@@ -93,6 +94,7 @@ class PairSchedule {
     return number_ - (isDense() ? numbers_.tiles : numbers_.dense_end);
   }
   __device__ std::uint32_t logParts() const {
+    if (isSelf()) return 0;
     return isDense() ? numbers_.log_dense_parts : numbers_.log_parts;
   }
 
@@ -126,18 +128,25 @@ struct alignas(8) EntryPair {
   TileEntryIndex a, b;
 };
 
-// The boxes of a tile's triangles, and their vertices' ids; ids.w is the triangle's place in the
-// tile.
-struct LaneTriangles {
-  float4 low[kWarp], high[kWarp];
-  uint4 ids[kWarp];
+// A box in shared memory, and the slot of its triangle.
+struct LaneBox {
+  float4 low, high;  // low.w holds the bits of the slot
+
+  __device__ Aabb box() const { return TileEntryBox{low, high}.box(); }
+  __device__ std::uint32_t slot() const { return __float_as_uint(low.w); }
 };
 
-constexpr unsigned kMetCapacity = 4 * kWarp, kAdjacentCapacity = 2 * kWarp;
-constexpr unsigned kCandidateCapacity = 2 * kWarp;
+struct LaneBoxes {
+  float4 low[kWarp], high[kWarp];
+};
+
+constexpr unsigned kHitCapacity = 8 * kWarp;
+constexpr unsigned kMetCapacity = 2 * kWarp, kAdjacentCapacity = 2 * kWarp;
+constexpr unsigned kCandidateCapacity = 3 * kWarp;  // both filters add to them
 
 struct WarpMemory {
-  LaneTriangles triangles;  // of one tile, then of the other
+  LaneBoxes boxes;  // of the rows, then of the columns
+  EntryPair hits[kHitCapacity];
   EntryPair met[kMetCapacity], adjacent[kAdjacentCapacity];
   DeviceCandidate candidates[kCandidateCapacity];
   ScheduleNumbers turns;
@@ -155,6 +164,7 @@ class PairFilter {
   __device__ PairFilter(const CycleArrays& c, WarpMemory& memory)
       : c_(c),
         memory_(memory),
+        hits_{memory.hits},
         met_{memory.met},
         adjacent_{memory.adjacent},
         candidates_{memory.candidates},
@@ -163,25 +173,21 @@ class PairFilter {
         passes_(c.params().passes),
         schedule_(c, memory.turns) {}
 
-  // Runs the part that has enough work for a full warp, until nothing is left. Each part is called
-  // from one place only, so that the code fits the instruction cache.
+  // Runs each part when it has enough work for a full warp, until nothing is left. Each part is
+  // called from one place only, so that the code fits the instruction cache.
   __device__ void run() {
     bool more = true;
     while (true) {
-      const bool last_met = !more && rounds_ == 0;
-      if (candidates_.size >= kWarp || (last_met && met_.size == 0 && candidates_.size > 0)) {
-        decideCandidates();
-      } else if (met_.size >= kWarp || (last_met && met_.size > 0)) {
-        filterMet();
-      } else if (kAdjacent && (adjacent_.size >= kWarp || (last_met && adjacent_.size > 0))) {
+      while (more && hits_.size < kWarp) more = takePair();
+      if (hits_.size > 0) takeHits();
+      const bool last_met = hits_.size == 0 && !more;
+      if (met_.size >= kWarp || (last_met && met_.size > 0)) filterMet();
+      if (kAdjacent && (adjacent_.size >= kWarp || (last_met && adjacent_.size > 0))) {
         filterAdjacent();
-      } else if (rounds_ != 0) {
-        takePartners();
-      } else if (more) {
-        more = takePair();
-      } else {
-        break;
       }
+      const bool last = last_met && met_.size == 0 && adjacent_.size == 0;
+      if (candidates_.size >= kWarp || (last && candidates_.size > 0)) decideCandidates();
+      if (last && candidates_.size == 0) break;
     }
     addOverlaps();
   }
@@ -190,17 +196,17 @@ class PairFilter {
   // Takes the next pair of tiles, or a tile against itself. Returns false if there is none or the
   // cycle is cut off.
   __device__ bool takePair() {
-    if (!schedule_.take()) return false;
+    if (resumed_ == 0 && !schedule_.take()) return false;
     if (++taken_ % kPairsPerAsker == 0) {
       addOverlaps();
       if (warpIsCutOff(c_, schedule_.number() % kWarpsPerAsker == 0)) return false;
     }
     if (!schedule_.isSelf()) {
-      layOut(schedule_.pair(), schedule_.part(), schedule_.parts());
+      layOut(schedule_.pair());
     } else if (c_.scene.bodies[c_.scene.tile_body[schedule_.tile()]].has_self != 0) {
       layOutSelf(schedule_.tile());
     }
-    if (rounds_ == 0) schedule_.askForNext();
+    if (resumed_ == 0) schedule_.askForNext();
     return true;
   }
   // Adds the tested pairs to the counter, except in cycles of several passes, which test the same
@@ -212,37 +218,28 @@ class PairFilter {
     overlaps_ = 0;
   }
 
-  // Selects the triangles of each tile that meet the other tile's box, and tests them against each
-  // other. Those of the first tile are rows; each row is assigned to 32 / (rows, rounded up to a
-  // power of two) lanes. Those of the second tile are columns in memory_.triangles; the lanes of a
-  // row divide them. `part`: takes only this one of `parts` parts of the work.
-  __device__ void layOut(const TilePair& pair, std::uint32_t part, std::uint32_t parts) {
+  // Selects the triangles of each tile that meet the other tile's box, and tests their boxes
+  // against each other. Those of the first tile are rows; each row is assigned to 32 / (rows,
+  // rounded up to a power of two) lanes. Those of the second tile are columns; the lanes of a row
+  // divide them.
+  __device__ void layOut(const TilePair& pair) {
     const TileState a = c_.tiles.states[pair.a], b = c_.tiles.states[pair.b];
-    first_a_ = pair.a.value * kWarp;
-    first_b_ = pair.b.value * kWarp;
-    const TileEntryIndex at_a(first_a_ + lane_), at_b(first_b_ + lane_);
-    const TileEntryBox box_a = c_.tiles.boxes[at_a], box_b = c_.tiles.boxes[at_b];
-    const uint4 ids_a = idsAt(at_a), ids_b = idsAt(at_b);
+    const std::uint32_t at_a = pair.a.value * kWarp + lane_, at_b = pair.b.value * kWarp + lane_;
+    const TileEntryBox box_a = c_.tiles.boxes[TileEntryIndex(at_a)];
+    const TileEntryBox box_b = c_.tiles.boxes[TileEntryIndex(at_b)];
     const unsigned in_a = a.live & __ballot_sync(kFullWarp, intersects(box_a.box(), b.box));
     const unsigned in_b = b.live & __ballot_sync(kFullWarp, intersects(box_b.box(), a.box));
     const std::uint32_t rows = __popc(in_a), columns = __popc(in_b);
     if (rows == 0 || columns == 0) return;
-    if (part == 0) overlaps_ += rows * columns;
-    const unsigned before = (1U << lane_) - 1;
-    leave((in_a >> lane_ & 1) != 0, __popc(in_a & before), box_a, ids_a);
+    if (schedule_.part() == 0 && resumed_ == 0) overlaps_ += rows * columns;
+    leave(in_a, at_a, box_a);
     const unsigned shift = rows > 1 ? 32 - __clz(static_cast<int>(rows - 1)) : 0;
     const std::uint32_t row = lane_ & ((1U << shift) - 1);
-    const Aabb box = boxOfPlace(row);
-    setRow(memory_.triangles.ids[row]);
-    leave((in_b >> lane_ & 1) != 0, __popc(in_b & before), box_b, ids_b);
-    first_column_ = lane_ >> shift;
-    stride_ = kWarp >> shift;
-    const unsigned log_stride = kLogWarp - shift;
-    findPartners(box, part, (columns + stride_ - 1) >> log_stride, parts);
-    const std::uint32_t own_steps = (columns + stride_ - 1 - first_column_) >> log_stride;
-    if (row >= rows || own_steps == 0) partners_ = 0;
-    partners_ &= (2U << ((own_steps - 1) % kWarp)) - 1;
-    rounds_ = warpMost(__popc(partners_));
+    const LaneBox box{memory_.boxes.low[row], memory_.boxes.high[row]};
+    leave(in_b, at_b, box_b);
+    const unsigned stride = kWarp >> shift, log_stride = kLogWarp - shift, first = lane_ >> shift;
+    const std::uint32_t own_steps = (columns + stride - 1 - first) >> log_stride;
+    listHits(box, first, stride, row < rows ? own_steps : 0, (columns + stride - 1) >> log_stride);
   }
   // Tests the triangles of a tile against each other. Places them on a ring and tests each against
   // those up to halfway round, so that each pair is tested once and all lanes have equal work.
@@ -251,86 +248,82 @@ class PairFilter {
     const unsigned live = c_.tiles.states[tile].live;
     const std::uint32_t count = __popc(live);
     if (count == 0) return;
-    overlaps_ += count * (count - 1) / 2;
-    first_a_ = first_b_ = tile.value * kWarp;
-    const TileEntryIndex at(first_a_ + lane_);
-    const TileEntryBox box = c_.tiles.boxes[at];
+    if (resumed_ == 0) overlaps_ += count * (count - 1) / 2;
+    const std::uint32_t at = tile.value * kWarp + lane_;
     const bool mine = (live >> lane_ & 1) != 0;
-    leave(mine, lane_, box, idsAt(at));
-    setRow(memory_.triangles.ids[lane_]);
-    first_column_ = lane_ + 1;
-    stride_ = 1;
-    findPartners(box.box(), 0, kSteps, 1);
-    const unsigned live_after = live >> 1 >> lane_ | live << (kWarp - 1 - lane_);
-    if (!mine) partners_ = 0;
-    partners_ &= live_after;
-    if (lane_ >= kSteps) partners_ &= (1U << (kSteps - 1)) - 1;
-    rounds_ = warpMost(__popc(partners_));
+    leave(kFullWarp, at, mine ? c_.tiles.boxes[TileEntryIndex(at)] : TileEntryBox::of(Aabb()));
+    const LaneBox box{memory_.boxes.low[lane_], memory_.boxes.high[lane_]};
+    listHits(box, lane_ + 1, 1, lane_ < kSteps ? kSteps : kSteps - 1, kSteps);
   }
-  // Writes the triangles of the lanes for which `in` is set to their places in memory_.triangles.
-  __device__ void leave(bool in, std::uint32_t place, const TileEntryBox& box, const uint4& ids) {
+  // Writes the boxes of the lanes in the bit mask `in` to the first places of memory_.boxes. `at`:
+  // this lane's slot.
+  __device__ void leave(unsigned in, std::uint32_t at, const TileEntryBox& box) {
     __syncwarp();
-    if (in) {
-      memory_.triangles.low[place] = box.low;
-      memory_.triangles.high[place] = box.high;
-      memory_.triangles.ids[place] = ids;
+    if ((in >> lane_ & 1) != 0) {
+      const std::uint32_t place = __popc(in & ((1U << lane_) - 1));
+      const float slot = __uint_as_float(at);
+      memory_.boxes.low[place] = make_float4(box.low.x, box.low.y, box.low.z, slot);
+      memory_.boxes.high[place] = box.high;
     }
     __syncwarp();
   }
-  // Sets the ids of this lane's row. If no body may have contacts with itself, no vertex is shared.
-  __device__ void setRow(const uint4& ids) {
-    ids_ = any_self_ ? ids : make_uint4(kNone, kNone, kNone, ids.w);
-    if (kAdjacent) certified_ = certifiedBits(ids);
-  }
-  // Returns the ids of an entry, with its place in the tile as w.
-  __device__ uint4 idsAt(TileEntryIndex at) const {
-    const uint4 ids = any_self_ ? c_.tiles.ids[at] : uint4{};
-    return make_uint4(ids.x, ids.y, ids.z, lane_);
-  }
-  __device__ Aabb boxOfPlace(std::uint32_t place) const {
-    return TileEntryBox{memory_.triangles.low[place], memory_.triangles.high[place]}.box();
-  }
-  __device__ std::uint32_t columnAt(std::uint32_t step) const {
-    return (first_column_ + step * stride_) % kWarp;
-  }
 
-  // Finds the columns of this lane that meet its row's box, as bits by steps. Columns beyond the
-  // last one are tested too, with old contents; the caller removes their bits.
-  __device__ void findPartners(const Aabb& box, std::uint32_t first, std::uint32_t steps,
-                               std::uint32_t every) {
-    partners_ = 0;
-#pragma unroll 2
-    for (std::uint32_t step = first; step < steps; step += every) {
-      if (intersects(box, boxOfPlace(columnAt(step)))) partners_ |= 1U << step;
+  // Lists the columns that meet the box of this lane's row. The lane tests the columns `first`,
+  // `first` + `stride` and so on, `own_steps` in all; `steps` is the most that a lane tests.
+  // Several parts or passes divide the steps. If the list gets full, the rest is left to another
+  // call.
+  __device__ void listHits(const LaneBox& row, std::uint32_t first, std::uint32_t stride,
+                           std::uint32_t own_steps, std::uint32_t steps) {
+    const bool one_pass = passes_ == 1;
+    const std::uint32_t every = one_pass ? schedule_.parts() : passes_;
+    std::uint32_t step = resumed_;
+    if (step == 0 && one_pass) step = schedule_.part();
+    if (step == 0 && !one_pass) {
+      step = (c_.params().pass + passes_ - schedule_.number() % passes_) % passes_;
     }
-    if (passes_ != 1) keepPass();
-  }
-  __device__ void keepPass() {
-    for (std::uint32_t step = 0; step < kWarp; ++step) {
-      if ((schedule_.number() + step) % passes_ != c_.params().pass) partners_ &= ~(1U << step);
-    }
-  }
-
-  // Takes one partner of each lane at a time, while the queues have room. Pairs that share vertices
-  // are dropped, or go to a queue of their own.
-  __device__ void takePartners() {
-    while (rounds_ != 0 && met_.size <= kMetCapacity - kWarp &&
-           adjacent_.size <= kAdjacentCapacity - kWarp) {
-      const bool has = partners_ != 0;
-      const std::uint32_t step = has ? __ffs(static_cast<int>(partners_)) - 1 : 0;
-      partners_ &= partners_ - 1;
-      const uint4 ids = memory_.triangles.ids[columnAt(step)];
-      const EntryPair pair{TileEntryIndex(first_a_ + ids_.w), TileEntryIndex(first_b_ + ids.w)};
-      if (kAdjacent) {
-        const std::uint32_t shared = sharedBits(ids_, ids);
-        met_.push(has && shared == 0, pair);
-        const bool open = has && shared != 0 && (shared & certified_) == 0;
-        if (__any_sync(kFullWarp, open) != 0) adjacent_.push(open, pair);
-      } else {
-        met_.push(has && !shareVertices(ids_, ids), pair);
+    const Aabb box = row.box();
+    const TileEntryIndex slot(row.slot());
+    std::uint32_t column = first + step * stride;
+    const unsigned below = lanesBelow();
+    constexpr unsigned kAtOnce = 2;
+    while (step < steps && hits_.size <= kHitCapacity - kAtOnce * kWarp) {
+#pragma unroll
+      for (unsigned k = 0; k < kAtOnce; ++k) {
+        const LaneBox other{memory_.boxes.low[column % kWarp], memory_.boxes.high[column % kWarp]};
+        const bool hit = (step < own_steps) & intersects(box, other.box());
+        const unsigned mask = __ballot_sync(kFullWarp, hit);
+        if (hit)
+          hits_.items[hits_.size + __popc(mask & below)] = {slot, TileEntryIndex(other.slot())};
+        hits_.size += __popc(mask);
+        step += every;
+        column += every * stride;
       }
-      if (--rounds_ == 0) schedule_.askForNext();
     }
+    resumed_ = step < steps ? step : 0;
+    __syncwarp();
+  }
+
+  // Takes a warp of hits, and drops those that are apart along a diagonal. Pairs that share
+  // vertices are dropped too, or go to a queue of their own.
+  __device__ void takeHits() {
+    EntryPair pair{TileEntryIndex(0), TileEntryIndex(0)};
+    const bool has = hits_.pop(pair);
+    const bool meet = has && intersects(c_.tiles.diagonals[pair.a], c_.tiles.diagonals[pair.b]);
+    std::uint32_t shared = 0;
+    bool certified = false;
+    if (any_self_ && meet) {
+      const uint4 a = c_.tiles.ids[pair.a], b = c_.tiles.ids[pair.b];
+      if (kAdjacent) {
+        shared = sharedBits(a, b);
+        certified = (shared & certifiedBits(a)) != 0;
+      } else {
+        shared = shareVertices(a, b) ? 1 : 0;
+      }
+    }
+    met_.push(meet && shared == 0, pair);
+    if (!kAdjacent) return;
+    const bool open = meet && shared != 0 && !certified;
+    if (__any_sync(kFullWarp, open) != 0) adjacent_.push(open, pair);
   }
 
   // Filters queued pairs by planes, and by the partition to which the pair belongs. In swept motion
@@ -388,20 +381,14 @@ class PairFilter {
 
   const CycleArrays& c_;
   WarpMemory& memory_;
-  WarpQueue<EntryPair> met_, adjacent_;
+  WarpQueue<EntryPair> hits_, met_, adjacent_;
   WarpQueue<DeviceCandidate> candidates_;
   const std::uint32_t lane_;
   const bool any_self_;
   const std::uint32_t passes_;
   PairSchedule schedule_;
   std::uint32_t taken_ = 0;
-  // The state of this pair of tiles: their first slots, and the row and columns of this lane.
-  std::uint32_t first_a_ = 0, first_b_ = 0;
-  std::uint32_t first_column_ = 0, stride_ = 1;
-  uint4 ids_{};                  // of the row's triangle
-  std::uint32_t certified_ = 0;  // bits of its vertices that have a certified fan
-  unsigned partners_ = 0;        // the columns that are still to be taken, as bits by steps
-  std::uint32_t rounds_ = 0;     // the most columns that a lane has
+  std::uint32_t resumed_ = 0;  // the step from which this pair is to be taken up again; 0: none
   std::uint32_t overlaps_ = 0;
 };
 
