@@ -126,7 +126,7 @@ class EvaluateBags(FleetCase):
     def test_without_dask(self):
         self.environment = {"PYTHONPATH": self.folder}
         self.text("distributed.py", "raise ImportError('No module named distributed')")
-        done = subprocess.run(**self.options("fleet"), timeout=60, check=False)
+        done = subprocess.run(**self.options("fleet"), check=False)
         self.assertEqual(done.returncode, 2, done)
         self.assertIn("install python3-distributed, ", done.stderr)
         self.assertNotIn("Traceback", done.stderr)

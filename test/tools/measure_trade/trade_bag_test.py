@@ -32,7 +32,7 @@ class TradeBag(unittest.TestCase):
 
     def run_tool(self, *arguments):
         return subprocess.run([self.tool, "--out", self.path("out"), *arguments], stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE, text=True, timeout=300, check=False)
+                              stderr=subprocess.PIPE, text=True, check=False)
 
     def rows(self, name):
         with open(self.path("out/" + name), newline="") as file:
