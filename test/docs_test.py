@@ -45,7 +45,7 @@ class Docs(unittest.TestCase):
             pages = {}
             for name in os.listdir(os.path.join(folder, "html")):
                 if name.endswith(".html"):
-                    with open(os.path.join(folder, "html", name)) as file:
+                    with open(os.path.join(folder, "html", name), errors="replace") as file:
                         pages[name] = file.read()
             for name, page in pages.items():
                 for picture in re.findall(r'<img src="([^":]+)"', page):
