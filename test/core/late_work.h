@@ -49,12 +49,12 @@ inline const DetectionResult& detectLate(Detector& detector, const Scene& scene,
 }
 
 // Says whether that is little. Without limits the scenes of these tests take many seconds. A build
-// may be slow, and so may a busy machine; then a cloth of 180 000 triangles takes more than half a
+// may be slow, and so may a busy machine; then a cloth of 720 000 triangles takes more than half a
 // second, too, and that is the measure.
 inline testing::AssertionResult isLittle(double late_ms) {
   constexpr double kLittleMs = 500;
   if (late_ms < kLittleMs) return testing::AssertionSuccess();
-  const Scene cloth = selfScene(clothGrid(300, 1, 0, 0));
+  const Scene cloth = selfScene(clothGrid(600, 1, 0, 0));
   const double start = timeOnMs("cpu");
   makeCpuDetector()->detect(cloth, Options());
   const double cloth_ms = timeOnMs("cpu") - start;
