@@ -82,7 +82,7 @@ TEST_P(LimitsTest, ADenseMeshEndsAtItsDeadlineWithWhatWasFound) {
   const Scene scene = selfScene(crossingTriangles(22000));
   for (int cycle = 0; cycle < 3; ++cycle) {  // cold and warm
     const DetectionResult& result = timed(scene, withDeadline(milliseconds(50)));
-    EXPECT_LT(late_ms_, kSoonMs);
+    EXPECT_TRUE(isLittle(late_ms_));
     expectCutOff(result, "no time");
     EXPECT_TRUE(result.guaranteed) << "that is a matter of the settings";
     expectContacts(scene, result.contacts);
@@ -103,12 +103,12 @@ TEST_P(LimitsTest, AStopFromAnotherThreadEndsIt) {
   const DetectionResult& result = detector_->detect(scene, options);
   const double ended = timeOnMs(detector_->backend());
   stopper.join();
-  EXPECT_LT(ended - stopped, kSoonMs);
+  EXPECT_TRUE(isLittle(ended - stopped));
   expectCutOff(result, "stopped");
   expectContacts(scene, result.contacts);
   // It is still set: the next one does not even begin.
   expectCutOff(timed(scene, options), "stopped");
-  EXPECT_LT(late_ms_, kSoonMs);
+  EXPECT_TRUE(isLittle(late_ms_));
 }
 
 TEST_P(LimitsTest, ALimitThatIsNotReachedChangesNothing) {
@@ -135,7 +135,7 @@ TEST_P(LimitsTest, ADeadlineInThePastIsNoTrouble) {
     const Scene scene = randomScene(seed);
     const std::vector<TrianglePair> all = contacts(scene);
     const DetectionResult& result = timed(scene, withDeadline(-milliseconds(1)));
-    EXPECT_LT(late_ms_, kSoonMs);
+    EXPECT_TRUE(isLittle(late_ms_));
     expectCutOff(result, "no time");
     EXPECT_TRUE(isOrdered(result.contacts));
     EXPECT_TRUE(
@@ -184,7 +184,7 @@ TEST_P(ProductLimitsTest, ManyContactsAreNotSortedLate) {
   const Scene scene = selfScene(crossingTriangles(22000));
   for (const int ms : {300, 2000}) {
     const DetectionResult& result = timed(scene, withDeadline(milliseconds(ms)));
-    EXPECT_LT(late_ms_, kSoonMs) << ms;
+    EXPECT_TRUE(isLittle(late_ms_)) << ms;
     if (!result.cut_off) continue;  // a fast device
     EXPECT_TRUE(isOrdered(result.contacts));
     EXPECT_TRUE(ms < 1000 || !result.contacts.empty());
@@ -203,7 +203,7 @@ TEST_P(ProductLimitsTest, EveryStageLooksAtTheDeadline) {
     Options options = withDeadline(milliseconds(ms));
     options.threads = 1;
     const DetectionResult& result = timed(scene, options);
-    EXPECT_LT(late_ms_, kSoonMs) << ms;
+    EXPECT_TRUE(isLittle(late_ms_)) << ms;
     EXPECT_EQ(0U, result.contacts.size());
   }
 }
@@ -215,7 +215,7 @@ TEST_P(ProductLimitsTest, SoDoTheStagesWithinOneCluster) {
     Options options = withDeadline(milliseconds(ms));
     options.clusters = 1;
     const DetectionResult& result = timed(scene, options);
-    EXPECT_LT(late_ms_, kSoonMs) << ms;
+    EXPECT_TRUE(isLittle(late_ms_)) << ms;
     EXPECT_EQ(0U, result.contacts.size());
   }
 }
@@ -230,7 +230,7 @@ TEST_P(ProductLimitsTest, SoDoesTheStageOversized) {
   const Scene scene = selfScene(mesh);
   for (const int ms : {100, 200, 400}) {
     const DetectionResult& result = timed(scene, withDeadline(milliseconds(ms)));
-    EXPECT_LT(late_ms_, kSoonMs) << ms;
+    EXPECT_TRUE(isLittle(late_ms_)) << ms;
     if (!result.cut_off) continue;  // a fast device
     expectContacts(scene, result.contacts);
   }
@@ -245,7 +245,7 @@ TEST(FclLimits, ADenseMeshEndsAtItsDeadline) {
   const auto detector = makeFclDetector();
   double late_ms = 0;
   expectCutOff(detectLate(*detector, scene, withDeadline(milliseconds(50)), &late_ms), "no time");
-  EXPECT_LT(late_ms, kSoonMs);
+  EXPECT_TRUE(isLittle(late_ms));
   expectCutOff(detector->detect(scene, withDeadline(-milliseconds(50))), "no time");
   EXPECT_FALSE(detector->detect(selfScene(crossingTriangles(20)), Options()).cut_off);
 }

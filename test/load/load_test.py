@@ -48,7 +48,7 @@ class Load(unittest.TestCase):
     def test_how_a_budget_is_kept_is_measured(self):
         done = subprocess.run(
             [sys.executable, os.path.join(HERE, "budget"), "--rounds", "1", "--budgets", "33",
-             "--scenes", "1"], timeout=4 * WAIT_S, stdout=subprocess.PIPE,
+             "--scenes", "1", "--rate", "90"], timeout=4 * WAIT_S, stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT, universal_newlines=True)
         self.assertEqual(done.returncode, 0, done.stdout)
         row = done.stdout.splitlines()[-1].split("|")

@@ -140,13 +140,14 @@ class BagFrames : public FrameSource {
 std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files, std::size_t most_frames,
                                            const std::function<void(const std::string&)>& progress,
                                            const std::function<void(const std::string&)>& warn) {
-  // The reader forks, so it is made before anything starts threads.
+  // The reader forks, so it is made before anything starts threads, which progress() may do.
   const MonitorParameters configured = readBagParameters(files, warn);
   BagReader reader(files.bags, neededMessages(configured, files));
   ros::Time::init();
   console_bridge::noOutputHandler();  // tf2 would print a line for each bad transform
   progress("reading the bags");
   BagContents contents = scanBags(&reader, files, configured, [](std::uint64_t) {});
+  if (!contents.problem.empty()) throw std::runtime_error("damaged: " + contents.problem);
   const BagSetup setup = setUpBags(files, configured, SceneObject(), &contents, warn);
   BagCycles cycles(setup.parameters, contents, setup.robots, nullptr);
   auto frames = std::make_unique<BagFrames>(setup.parameters.pair_classes, most_frames);

@@ -69,8 +69,9 @@ std::unique_ptr<FrameSource> makeMeshFrames(
 // Reads bags: one frame for each cycle that evaluate_bag would evaluate, with its pairs of bodies.
 // If there are more than `most_frames` (0: no limit), keeps only every second, fourth, eighth, ...
 // cycle, and at least half as many as that. Keeps the deforming vertices of all frames in memory.
-// `progress` gets what is being read, `warn` what a user should know. Throws std::runtime_error,
-// one line, if a bag cannot be read completely, and always in a build without ROS.
+// Forks, so call it before anything starts threads; `progress`, which gets what is being read, may
+// start one. `warn` gets what a user should know. Throws std::runtime_error, one line, if a bag
+// cannot be read completely, and always in a build without ROS.
 std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files, std::size_t most_frames,
                                            const std::function<void(const std::string&)>& progress,
                                            const std::function<void(const std::string&)>& warn);

@@ -57,11 +57,16 @@ std::unique_ptr<Detector> makeBackend(const std::string& backend,
 // Opens the frames, makes the output folder, and measures while progress is shown.
 void withFrames(const TradeArguments& arguments,
                 const std::function<void(FrameSource*, Progress*)>& measure) {
-  Progress progress("starting");
-  const std::unique_ptr<FrameSource> frames =
-      openFrames(arguments, [&](const std::string& what) { progress.set(what); });
+  // Progress has a thread, which must not exist before the reader of bags has forked.
+  std::optional<Progress> progress;
+  const SayProgress say = [&progress](const std::string& what) {
+    if (!progress) progress.emplace(what);
+    progress->set(what);
+  };
+  const std::unique_ptr<FrameSource> frames = openFrames(arguments, say);
+  say("starting");
   makeFolder(arguments.out_folder);
-  measure(frames.get(), &progress);
+  measure(frames.get(), &*progress);
 }
 
 // Opens a file of the output folder.

@@ -68,7 +68,7 @@ TEST_P(SweptLimits, ADenseMeshEndsAtItsDeadlineWithWhatWasFound) {
   const Scene scene = crossingTriangles(10000);
   for (const int ms : {50, 150, 400}) {
     const DetectionResult& result = timed(scene, withDeadline(milliseconds(ms)));
-    EXPECT_LT(late_ms_, kSoonMs);
+    EXPECT_TRUE(isLittle(late_ms_));
     EXPECT_TRUE(result.isOutOfTime());
     EXPECT_TRUE(result.guaranteed) << "that is a matter of the settings";
     expectContacts(scene, result);
@@ -86,7 +86,7 @@ TEST_P(SweptProductLimits, EveryStageLooksAtTheDeadline) {
     Options options = withDeadline(milliseconds(ms));
     options.threads = 1;
     timed(scene, options);
-    EXPECT_LT(late_ms_, kSoonMs) << ms;
+    EXPECT_TRUE(isLittle(late_ms_)) << ms;
   }
 }
 
@@ -100,7 +100,7 @@ TEST_P(SweptProductLimits, SoDoVerdictsThatAreAllExact) {
     Options options = withDeadline(milliseconds(ms));
     options.clusters = options.threads = 1;
     const DetectionResult& result = timed(scene, options);
-    EXPECT_LT(late_ms_, kSoonMs) << ms;
+    EXPECT_TRUE(isLittle(late_ms_)) << ms;
     ASSERT_TRUE(result.isOutOfTime());
     exact = result.counters.exact;
   }

@@ -164,7 +164,7 @@ TEST_P(PartResults, ReadVerticesSoonestWhereOneDoes) {
 TEST_P(PartResults, PartitionsFindWhatOneFinds) {
   std::vector<std::unique_ptr<Detector>> detectors;
   for (std::size_t count = 2; count <= kMostPartitions; ++count) detectors.push_back(shared(count));
-  std::size_t found = 0;
+  std::size_t found = 0, long_steps = 0;
   for (std::uint32_t seed = 0; seed < 1 + kScenes / 50; ++seed) {
     SceneWalk walk(seed);
     for (int i = 0; i < 60; ++i) {
@@ -178,6 +178,10 @@ TEST_P(PartResults, PartitionsFindWhatOneFinds) {
       // What the CPU makes of clusters is random_walk_test's; in strange scenes they take long.
       if (GetParam().make == makeStandIn) options.clusters = 1;
       const DetectionResult& expected = one_->detect(walk.scene(), options);
+      // Stand-ins find all contacts again for each partition, so they take long where nearly all
+      // pairs touch. Two such steps are enough: their lists are merged in several parts.
+      const bool is_long = GetParam().make == makeStandIn && expected.contacts.size() > 50'000;
+      if (is_long && ++long_steps > 2) continue;
       for (const auto& detector : detectors) {
         if (i % 20 == 19) detector->reset();
         const DetectionResult& result = detector->detect(walk.scene(), options);
@@ -193,6 +197,7 @@ TEST_P(PartResults, PartitionsFindWhatOneFinds) {
     }
   }
   EXPECT_GT(found, 100U);
+  EXPECT_LT(long_steps, 20 * (1 + kScenes / 50));
 }
 
 TEST_P(PartResults, OfSteps) {

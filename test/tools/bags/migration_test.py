@@ -161,7 +161,7 @@ class Migration(unittest.TestCase):
             out = self.folder / name
             subprocess.run([TOOL, str(path), "--config", str(ROOT / "config" / "demo.yaml"), "--out",
                             str(out), "--pairs", "--no-report", "--backends", "cpu"], check=True,
-                           timeout=60, stdout=subprocess.DEVNULL)
+                           stdout=subprocess.DEVNULL)
             with open(out / "pairs.csv", newline="") as file:
                 return [tuple(row.values())[1:] for row in csv.DictReader(file)]
         found = pairs(BAG_0_1, "old")

@@ -21,7 +21,7 @@ ENVIRONMENT = dict(os.environ, ROS_MASTER_URI="http://localhost:1", ROS_LOG_DIR=
 def run(program, *words, **variables):
     return subprocess.run([str(program), *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           stdin=subprocess.DEVNULL, universal_newlines=True, check=False,
-                          timeout=60, env=dict(ENVIRONMENT, **variables))
+                          env=dict(ENVIRONMENT, **variables))
 
 
 class Help(unittest.TestCase):

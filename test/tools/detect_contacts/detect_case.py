@@ -35,7 +35,7 @@ class Case(unittest.TestCase):
 
     def run_tool(self, *arguments, **options):
         return subprocess.run([TOOL, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                              text=True, errors="replace", timeout=300, check=False, **options)
+                              text=True, errors="replace", check=False, **options)
 
     def works(self, *arguments):
         done = self.run_tool(*arguments)

@@ -286,7 +286,7 @@ class DetectContacts(Case):
         self.assert_refused(["--self", "--json", "/dev/full", floor], "/dev/full", "No space")
         with open("/dev/full", "w") as full:
             done = subprocess.run([TOOL, "--self", "--json", "-", floor], stdout=full,
-                                  stderr=subprocess.PIPE, text=True, timeout=60, check=False)
+                                  stderr=subprocess.PIPE, text=True, check=False)
         self.assertEqual(done.returncode, 2)
         self.assertIn("standard output", done.stderr)
 
@@ -300,7 +300,7 @@ class DetectContacts(Case):
             before = sorted(os.listdir(self.folder))
             done = subprocess.run(
                 [TOOL, "--pairs", self.path("pairs"), floor, touch], stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE, text=True, timeout=60, check=False, restore_signals=False,
+                stderr=subprocess.PIPE, text=True, check=False, restore_signals=False,
                 preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)))
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn("pairs: cannot be written", done.stderr)
@@ -346,7 +346,7 @@ class RealFrames(unittest.TestCase):
             for adjacent, wanted in ("skip", skip), ("beyond_shared", beyond_shared):
                 done = subprocess.run(
                     [TOOL, "--self", "--adjacent", adjacent, "--pairs", "-", DATA / name],
-                    stdout=subprocess.PIPE, text=True, timeout=300, check=True)
+                    stdout=subprocess.PIPE, text=True, check=True)
                 pairs = [tuple(map(int, line.split(" "))) for line in done.stdout.splitlines()]
                 self.assertEqual(len(pairs), wanted, (name, adjacent))
                 self.assertEqual(pairs, sorted(set(pairs)), "sorted, each once")

@@ -25,7 +25,7 @@ BEHIND = "v 1 1 -1\nv 1 2 -0.5\nv 2 1 -0.5\nf 1 2 3\n"
 def lines_of(program, *arguments):
     """What it prints, numbers by lines, sorted and each once."""
     done = subprocess.run([program, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          text=True, timeout=300, check=False)
+                          text=True, check=False)
     assert done.returncode == 0, done.stderr
     lines = [tuple(map(int, line.split(" "))) for line in done.stdout.splitlines()]
     assert lines == sorted(set(lines)), "sorted, each once"

@@ -100,7 +100,7 @@ class BagTopics(unittest.TestCase):
     def run_tool(self, bag, *arguments, robot=True):
         more = ("--robot-description", self.urdf) if robot else ()
         return subprocess.run([TOOL, bag, "--out", self.path("out"), "--no-report", *more, *arguments],
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                               universal_newlines=True, check=False)
 
     def states(self, bag, *arguments, says=(), robot=True):

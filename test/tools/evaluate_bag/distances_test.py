@@ -71,7 +71,7 @@ class Distances(unittest.TestCase):
         done = subprocess.run(
             [TOOL, self.bag(lost_from), "--out", self.path("out"), "--config", config, *arguments,
              *([] if report else ["--no-report"])],
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True, timeout=300,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True,
             check=False)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done
@@ -102,7 +102,7 @@ class Distances(unittest.TestCase):
         tool = [TOOL, self.bag(len(HEIGHTS)), "--out", self.path("out"), "--no-report",
                 "--backends", "fcl", "--config"]
         done = subprocess.run([*tool, self.path("near.yaml")], stderr=subprocess.PIPE,
-                              universal_newlines=True, timeout=300, check=False)
+                              universal_newlines=True, check=False)
         self.assertEqual(done.returncode, 2)
         if "no FCL" in done.stderr:
             return

@@ -273,7 +273,7 @@ class EvaluateBag(EvaluationCase):
         before = sorted(os.listdir(self.path("out")))
         done = subprocess.run(
             [str(pathlib.Path(TOOL).with_name("evaluation_report.py")), self.path("out")],
-            stderr=subprocess.PIPE, text=True, timeout=120, check=False, restore_signals=False,
+            stderr=subprocess.PIPE, text=True, check=False, restore_signals=False,
             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000)))
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn("evaluation_report.py: ", done.stderr)

@@ -62,7 +62,7 @@ class EvaluationCase(unittest.TestCase):
     def tool(*arguments):
         environment = dict(os.environ, ROS_PACKAGE_PATH=f"{DATA}/robots")
         return subprocess.run([TOOL, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                              text=True, errors="replace", timeout=300, check=False,
+                              text=True, errors="replace", check=False,
                               env=environment)
 
     def run_tool(self, *arguments, report=False):

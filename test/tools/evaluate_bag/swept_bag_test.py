@@ -100,7 +100,7 @@ class SweptBag(unittest.TestCase):
         return subprocess.run(
             [TOOL, "--out", self.path("out"), "--config", self.path("config.yaml"), "--pairs",
              *arguments, *(() if report else ("--no-report",)), bag], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-            timeout=300, check=False)
+            check=False)
 
     def evaluate(self, config, *arguments, code=0, **options):
         """The tool's summary."""
@@ -131,7 +131,7 @@ class SweptBag(unittest.TestCase):
             files.append(self.path("state%d.ply" % at))
             write_ply(files[-1], mesh)
         done = subprocess.run([SWEPT_PAIRS, "--adjacent", "skip", *files], stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE, text=True, timeout=300, check=True)
+                              stderr=subprocess.PIPE, text=True, check=True)
         pairs = [tuple(origins[int(word)] for word in line.split())
                  for line in done.stdout.splitlines()]
         return {(a, b) for (body_a, a), (body_b, b) in pairs if (body_a, body_b) == (0, 1)}

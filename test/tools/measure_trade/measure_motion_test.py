@@ -106,10 +106,10 @@ class Swept(Case):
             self.assertTrue(content.startswith(b"\x89PNG"), name)
         script = str(pathlib.Path(TOOL).with_name("plot_motion.py"))
         subprocess.run([script, self.path("trade"), self.path("trade"), "--out", self.folder],
-                       timeout=120, check=True)
+                       check=True)
         self.assertTrue(os.path.exists(self.path("onsets.png")))
         done = subprocess.run([script, self.path("none")], stderr=subprocess.PIPE, text=True,
-                              timeout=120, check=False)
+                              check=False)
         self.assertEqual(done.returncode, 1)
         self.assertRegex(done.stderr, r"\Aplot_motion.py: .*none/motions.csv.*\n\Z")
 

@@ -100,10 +100,10 @@ class MeasureTrade(Case):
         self.works(*scene, *quick(overlaps="1", predicates="exact"), "--out", "two")
         script = [str(pathlib.Path(TOOL).with_name("plot_trade.py"))]
         subprocess.run([*script, self.path("one"), self.path("two"), "--out", self.folder],
-                       timeout=120, check=True)
+                       check=True)
         self.assertTrue(os.path.exists(self.path("accuracy.png")))
         done = subprocess.run([*script, self.path("three")], stderr=subprocess.PIPE, text=True,
-                              timeout=120, check=False)
+                              check=False)
         self.assertEqual(done.returncode, 1)
         self.assertRegex(done.stderr, r"\Aplot_trade.py: .*three/settings.csv.*\n\Z")
 
@@ -118,7 +118,7 @@ class MeasureTrade(Case):
         before = sorted(os.listdir(folder))
         done = subprocess.run(
             [str(pathlib.Path(TOOL).with_name("plot_trade.py")), str(folder), "--out", str(folder)],
-            stderr=subprocess.PIPE, text=True, timeout=120, check=False, restore_signals=False,
+            stderr=subprocess.PIPE, text=True, check=False, restore_signals=False,
             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000)))
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn("plot_trade.py: ", done.stderr)

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "bags"))
@@ -31,7 +32,7 @@ class TradeBag(unittest.TestCase):
 
     def run_tool(self, *arguments):
         return subprocess.run([self.tool, "--out", self.path("out"), *arguments], stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE, text=True, timeout=300, check=False)
+                              stderr=subprocess.PIPE, text=True, check=False)
 
     def rows(self, name):
         with open(self.path("out/" + name), newline="") as file:
@@ -119,6 +120,34 @@ class TradeBag(unittest.TestCase):
             done = self.run_tool(*arguments)
             self.assertEqual(done.returncode, 2, done)
             self.assertIn(words, done.stderr.splitlines()[-1])
+
+    def test_a_damaged_bag_is_named_as_such(self):
+        """The link meshes are in the first chunk, which cannot be read."""
+        bag = write_bag(self.path("damaged.bag"), self.scene.events(), "bz2", 4096)
+        content = bytearray(pathlib.Path(bag).read_bytes())
+        start = content.index(b"BZh") + 100
+        content[start:start + 100] = bytes(100)
+        pathlib.Path(bag).write_bytes(content)
+        done = self.run_tool("--bag", bag)
+        self.assertEqual(done.returncode, 2, done)
+        self.assertIn("measure_trade: damaged: ", done.stderr.splitlines()[-1])
+
+    def test_the_reader_is_forked_before_any_thread_starts(self):
+        """A thread that holds a lock at the fork would leave it locked in the reader for ever."""
+        os.mkfifo(self.path("bag"))  # the reader waits in open(), and the tool for the reader
+        tool = subprocess.Popen([self.tool, "--bag", self.path("bag"), "--out", self.path("out")])
+        self.addCleanup(tool.wait)
+        self.addCleanup(tool.kill)
+        tasks = pathlib.Path(f"/proc/{tool.pid}/task")
+        readers, threads = [], []
+        while not readers or not threads:
+            self.assertIsNone(tool.poll())
+            readers = [int(pid) for pid in (tasks / str(tool.pid) / "children").read_text().split()]
+            threads = [int(task.name) for task in tasks.iterdir() if int(task.name) != tool.pid]
+            time.sleep(0.01)
+        # Linux numbers tasks in the order of their start, and begins anew at its limit.
+        numbers = int(pathlib.Path("/proc/sys/kernel/pid_max").read_text())
+        self.assertLess((readers[0] - tool.pid) % numbers, (min(threads) - tool.pid) % numbers)
 
 
 if __name__ == "__main__":

@@ -73,7 +73,7 @@ class Case(unittest.TestCase):
     def run_tool(self, *arguments, plots=False, **options):
         tool = TOOL if plots else self.tool_without_plots
         return subprocess.run([tool, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                              text=True, timeout=600, check=False, cwd=self.folder, **options)
+                              text=True, check=False, cwd=self.folder, **options)
 
     def works(self, *arguments, **options):
         done = self.run_tool(*arguments, **options)

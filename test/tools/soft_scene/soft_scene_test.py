@@ -34,7 +34,7 @@ class SoftSceneTest(unittest.TestCase):
 
     def run_tool(self, *words):
         return subprocess.run([TOOL, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                              universal_newlines=True, env=ENVIRONMENT, timeout=300, check=False)
+                              universal_newlines=True, env=ENVIRONMENT, check=False)
 
     def bag(self, name, *words):
         done = self.run_tool("--bag", self.path(name), *words)
