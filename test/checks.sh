@@ -64,7 +64,7 @@ add_tests() {
   passed=$((passed + counts[0])) failed=$((failed + counts[1])) skipped=$((skipped + counts[2]))
 }
 
-# run_tests BUILD [ARGS of ctest...]: runs tests, four more at a time than there are cores, because
+# run_tests BUILD [ARGS of ctest...]: runs tests, two more at a time than there are cores, because
 # rostests mostly wait. A skipped test is a problem where the test data are there.
 run_tests() {
   local build=$1 log=$1/ctest.log total code inner
@@ -72,7 +72,7 @@ run_tests() {
   say "Tests"
   export ROS_HOME=$build/ros_home
   rm -rf "$log" "$build/Testing" "$build/test_results"
-  (cd "$build" && ctest --output-on-failure -j $(($(nproc) + 4)) "$@") | tee "$log"
+  (cd "$build" && ctest --output-on-failure -j $(($(nproc) + 2)) "$@") | tee "$log"
   code=${PIPESTATUS[0]}
   # The last lines count tests: older CMakes write no report of use. Without them nothing ran.
   read -r failed total < <(sed -En \

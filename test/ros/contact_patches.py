@@ -13,7 +13,8 @@ import boxes_scene
 from boxes_scene import CLOTH, FAR_CLOTH
 from deformable_contact_monitor.msg import ContactPatches
 from monitor_test_support import (
-    PACKAGE, Log, MeshPublisher, Monitor, Transforms, now, pairs_of, until_frames_are_seen)
+    PACKAGE, Log, MeshPublisher, Monitor, Transforms, now, pairs_of, until_frames_are_seen,
+    wait_until)
 
 NAMES = ("palm", "finger")
 
@@ -62,6 +63,8 @@ class Patches(unittest.TestCase):
 
     def test_patches_while_somebody_listens(self):
         log = Log("/contact_monitor/contact_patches", ContactPatches)
+        # The monitor counts a subscriber a moment after that has connected.
+        wait_until(lambda: self.send(FAR_CLOTH) and log.count() > 0, "patches")
         contacts, first = self.patches(log, CLOTH)
         self.check(contacts, first)
         _, again = self.patches(log, CLOTH)
