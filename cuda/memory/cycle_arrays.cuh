@@ -210,8 +210,7 @@ struct TileArrays : ArrayGroup {
   DeviceArray<TileIndex, EntryIndex> bin_entries{*this, &CycleSizes::entries};
   DeviceArray<TileEntry, TileEntryIndex> entries{*this, &CycleSizes::slots};
   DeviceArray<TileEntryBox, TileEntryIndex> boxes{*this, &CycleSizes::slots};
-  // Of the same places, as `boxes`.
-  DeviceArray<DiagonalBox, TileEntryIndex> diagonals{*this, &CycleSizes::slots};
+  DeviceArray<DiagonalBox, TileEntryIndex> diagonals{*this, &CycleSizes::slots};  // as boxes
   DeviceArray<EarlierTileEntry, TileEntryIndex> earlier{*this, &CycleSizes::swept_slots};
   // The ids of each entry's vertices, if some body may have contacts with itself.
   DeviceArray<uint4, TileEntryIndex> ids{*this, &CycleSizes::slots};

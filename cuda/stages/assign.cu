@@ -282,9 +282,9 @@ __device__ void countRejected(const SceneArrays& scene, std::uint32_t part, bool
 }
 
 // One warp for each tile. Reads scene.corners, scene.posed and scene.body_boxes; writes
-// tiles.entries, tiles.boxes and tiles.states; adds to tiles.bin_entries, tiles.lists and
-// tiles.oversized. In swept motion (kStates == 2) it also writes the earlier states, to
-// tiles.earlier.
+// tiles.entries, tiles.boxes, tiles.diagonals and tiles.states; adds to tiles.bin_entries,
+// tiles.lists and tiles.oversized. In swept motion (kStates == 2) it also writes the earlier
+// states, to tiles.earlier.
 template <int kStates>
 __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   __shared__ std::uint32_t found[kWarps][BorderTile<3 * kStates>::kMostFound];

@@ -292,8 +292,9 @@ class PairFilter {
         const LaneBox other{memory_.boxes.low[column % kWarp], memory_.boxes.high[column % kWarp]};
         const bool hit = (step < own_steps) & intersects(box, other.box());
         const unsigned mask = __ballot_sync(kFullWarp, hit);
-        if (hit)
+        if (hit) {
           hits_.items[hits_.size + __popc(mask & below)] = {slot, TileEntryIndex(other.slot())};
+        }
         hits_.size += __popc(mask);
         step += every;
         column += every * stride;

@@ -22,8 +22,9 @@ struct DiagonalFrame {
     const Vec3d o = scale.origin;
     const double reach = 3 / scale.scale;  // of a point in the scene, along a diagonal
     const double middle[4] = {o.x + o.y + o.z, o.x + o.y - o.z, o.x - o.y + o.z, o.x - o.y - o.z};
-    for (int k = 0; k < 4; ++k)
+    for (int k = 0; k < 4; ++k) {
       along[k] = Quantiser(bound(middle[k] - reach), bound(middle[k] + reach));
+    }
   }
 
  private:
