@@ -161,6 +161,7 @@ TEST(ContactStateTrackerTest, withGeometryTheSeparationIsMinusTheDepth) {
   sample.result.geometry.resize(3);
   sample.result.geometry[0].separation_m = 0.25F;
   sample.result.geometry[1].separation_m = -0.5F;
+  sample.result.geometry[2].separation_m = 0.375F;  // resize() leaves it uninitialised
   EXPECT_EQ(take(&tracker, sample.report).states[kHandCloth].min_separation, 0);
   sample.report.options.geometry = true;
   ContactState state = take(&tracker, sample.report).states[kHandCloth];
