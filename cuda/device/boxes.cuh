@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/predicates/aabb.h"
+#include "core/rules/diagonal_box.h"
 #include "core/rules/intervals.h"
 #include "cuda/device/warp.cuh"
 
@@ -29,6 +30,17 @@ __device__ inline Aabb warpBox(const Aabb& box) {
   all.min = {lowest(box.min.x), lowest(box.min.y), lowest(box.min.z)};
   all.max = {highest(box.max.x), highest(box.max.y), highest(box.max.z)};
   return all;
+}
+
+// Returns the intervals of all lanes' points. Called by a whole warp.
+__device__ inline DiagonalBox warpDiagonals(DiagonalBox box) {
+  for (unsigned o = kWarp / 2; o > 0; o /= 2) {
+    for (PackedBox& part : box.parts) {
+      part.lo = __vminu2(part.lo, __shfl_xor_sync(kFullWarp, part.lo, o));
+      part.hi = __vmaxu2(part.hi, __shfl_xor_sync(kFullWarp, part.hi, o));
+    }
+  }
+  return box;
 }
 
 // Returns `v` of another lane. Called by a whole warp.

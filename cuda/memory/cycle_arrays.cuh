@@ -19,6 +19,7 @@
 #include "cuda/device/boxes.cuh"
 #include "cuda/memory/device_memory.cuh"
 #include "cuda/memory/nearest_arrays.cuh"
+#include "cuda/memory/tile_entries.cuh"
 
 namespace deformable_contact_monitor {
 
@@ -112,6 +113,8 @@ struct SceneArrays : ArrayGroup {
   // triangle.
   DeviceArray<BodyIndex, TileIndex> tile_body{*this, &CycleSizes::tiles};
   DeviceArray<TriangleIndex, TileEntryIndex> slot_triangle{*this, &CycleSizes::slots};
+  // The slots of the same tile whose triangles share a vertex with this one by its number, as bits.
+  DeviceArray<std::uint32_t, TileEntryIndex> slot_neighbours{*this, &CycleSizes::slots};
   // The inputs of tiling: the range of most of a body's vertices, in its frame [m], and the
   // triangles' keys along the space-filling curve, before and after they are sorted.
   DeviceArray<Aabb, BodyIndex> body_ranges{*this, &CycleSizes::bodies};
@@ -152,42 +155,6 @@ struct SceneArrays : ArrayGroup {
   __device__ bool pairEnabled(std::uint32_t part_a, std::uint32_t part_b) const {
     return PartPairs{pair_enabled.data(), pair_row}.enabled(part_a, part_b);
   }
-};
-
-// A triangle in its slot of a tile.
-struct alignas(16) TileEntry {
-  Triangle posed;  // scene frame [m]
-  TriangleIndex triangle;
-  BodyIndex body;
-  std::uint32_t part;  // its number, see SceneArrays::pair_enabled
-};
-// With padding, the compiler would copy it byte by byte.
-static_assert(sizeof(TileEntry) == sizeof(Triangle) + 3 * sizeof(std::uint32_t));
-
-// The box of a tile entry [m], inflated by its body's margin. In swept motion it contains all
-// places that the triangle passes, minus the common motion.
-struct alignas(16) TileEntryBox {
-  float4 low, high;  // w is not used
-
-  __device__ static TileEntryBox of(const Aabb& box) {
-    return {make_float4(box.min.x, box.min.y, box.min.z, 0),
-            make_float4(box.max.x, box.max.y, box.max.z, 0)};
-  }
-  __device__ Aabb box() const { return {{low.x, low.y, low.z}, {high.x, high.y, high.z}}; }
-};
-
-// The triangle of a tile entry at the beginning of the time interval, in the scene frame [m].
-struct alignas(16) EarlierTileEntry {
-  Triangle posed;
-};
-
-// The result of stage assign for a tile. A triangle is live if it is neither culled nor oversized.
-struct alignas(16) TileState {
-  Aabb box;            // of the live triangles, inflated by the margin [m]
-  std::uint32_t live;  // a bit for each slot
-  // The place of the tile's clusters in TileArrays::lists: their number, then the clusters in
-  // ascending order. kNone if the tile is in one cluster only, or if there was no room for a list.
-  std::uint32_t list;
 };
 
 // A cluster's part of the array of entries and of the sorted arrays. `wanted` is the number of

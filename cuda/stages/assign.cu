@@ -326,21 +326,32 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   warpCount(&c.counters().clustered, regular);
   if (there) takeSample(c, t, regular, corners);
   if (__any_sync(kFullWarp, here) == 0) {
-    if (laneId() == 0) c.tiles.states[tile] = {Aabb(), 0, kNone};
+    if (laneId() == 0) c.tiles.states[tile] = {Aabb(), 0, kNone, DiagonalBox::none()};
     return;
   }
   if (here) {
     c.tiles.entries[slot] = {corners.posed(), t, b, part};
     if (kStates > 1) c.tiles.earlier[slot].posed = corners.earlier();
   }
-  c.tiles.boxes[slot] = TileEntryBox::of(here ? passedBox(c, corners, body.margin_m, box) : Aabb());
-  if (here) c.tiles.diagonals[slot] = passedDiagonals(c, corners, body.margin_m);
+  c.tiles.boxes[slot] =
+      TileEntryBox::of(here ? passedBox(c, corners, body.margin_m, box) : Aabb(), slot);
+  const DiagonalBox diagonals =
+      here ? passedDiagonals(c, corners, body.margin_m) : DiagonalBox::none();
+  c.tiles.diagonals[slot] = diagonals;
+  // The tile's are written at once, because assignTile() needs the registers.
+  const DiagonalBox of_tile = warpDiagonals(regular ? diagonals : DiagonalBox::none());
+  if (laneId() == 0) c.tiles.states[tile].diagonals = of_tile;
   if (large) c.tiles.oversized[Place(atomicAdd(&c.counters().oversized, 1U))] = slot;
   const Aabb all = warpBox(regular ? box : Aabb());
   const std::uint32_t list = live == 0 || c.usesBruteForce()
                                  ? kNone
                                  : assignTile(c, tile, live, corners, body.slack, found[warp]);
-  if (laneId() == 0) c.tiles.states[tile] = {all, live, list};
+  if (laneId() == 0) {
+    TileState& state = c.tiles.states[tile];
+    state.box = all;
+    state.live = live;
+    state.list = list;
+  }
 }
 
 }  // namespace

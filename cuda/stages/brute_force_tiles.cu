@@ -149,17 +149,23 @@ class RowsByColumns {
     __syncwarp();
     return total;
   }
-  // Marks each of hits_ with its list, unless the groups may not touch, and counts both lists.
-  // Called by a whole warp.
-  __device__ void markHits(std::uint32_t count, std::uint32_t& dense, std::uint32_t& others) const {
+  // Returns whether a hit is a pair of tiles: the groups may touch, and the tiles are not apart
+  // along a diagonal.
+  __device__ bool isPair(std::uint32_t row, std::uint32_t column) const {
     const bool one_group = c_.params().group_count == 1;
+    if (!one_group && (tiles_.column_mask[column] >> tiles_.row_group[row] & 1) == 0) return false;
+    return intersects(c_.tiles.states[TileIndex(first_row_ + row)].diagonals,
+                      c_.tiles.states[TileIndex(first_column_ + column)].diagonals);
+  }
+  // Marks each of hits_ that is a pair of tiles with its list, and counts both lists. Called by a
+  // whole warp.
+  __device__ void markHits(std::uint32_t count, std::uint32_t& dense, std::uint32_t& others) const {
     dense = others = 0;
     for (std::uint32_t first = 0; first < count; first += kWarp) {
       const bool there = first + laneId() < count;
       const Hit hit = there ? hits_[first + laneId()] : 0;
       const std::uint32_t row = rowOf(hit), column = columnOf(hit);
-      const bool meet =
-          there && (one_group || (tiles_.column_mask[column] >> tiles_.row_group[row] & 1) != 0);
+      const bool meet = there && isPair(row, column);
       const bool many = isDense(tiles_.rows[row].box(), tiles_.columns[column].box());
       if (meet) hits_[first + laneId()] = hit | (many ? kDense : kOther);
       dense += __popc(__ballot_sync(kFullWarp, meet && many));

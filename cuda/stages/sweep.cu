@@ -147,7 +147,7 @@ class Sweeper {
       pair = {c_.sweep.tiles[row], c_.sweep.tiles[column]};
       const TileState a = c_.tiles.states[pair.a], b = c_.tiles.states[pair.b];
       dense = isDense(a.box, b.box);
-      kept = intersects(a.box, b.box) &&
+      kept = a.mayMeet(b) &&
              reportsPair(unit_.cluster.value, c_.tiles.clustersOf(a), c_.tiles.clustersOf(b));
     }
     dense_.push(kept && dense, pair);

@@ -60,8 +60,9 @@ class PairSchedule {
   // come last. Call it when the last pair's triangles have been taken, so that other work hides the
   // latency.
   __device__ void askForNext() {
+    // The compiler would add for all lanes together by atomicAdd(), and wait for its result here.
     if (laneId() == 0 && number_ + 1 >= run_end_) {
-      turn_ = warps() + atomicAdd(&c_.counters().pairs_taken, 1U);
+      turn_ = atomicInc(&c_.counters().pairs_taken, kNone - 1);
     }
   }
   // Moves on to the next number of this run, or to another run. Returns false if none is left.
@@ -99,7 +100,8 @@ class PairSchedule {
   }
 
   __device__ void beginRun() {
-    number_ = __shfl_sync(kFullWarp, turn_, 0);
+    number_ = __shfl_sync(kFullWarp, turn_, 0) + dealt_;
+    dealt_ = warps();
     run_end_ = number_ + 1;
     if (isDense()) return;
     const std::uint32_t others = numbers_.end - numbers_.dense_end;
@@ -111,8 +113,9 @@ class PairSchedule {
 
   const CycleArrays& c_;
   const ScheduleNumbers& numbers_;
-  // The next turn of this warp, in the first lane. It is a number, except that a run counts as one.
-  std::uint32_t turn_;
+  // The next turn of this warp, in the first lane, from dealt_ on. It is a number, except that a
+  // run counts as one. The first turns are dealt to the warps; the counter counts those after them.
+  std::uint32_t turn_, dealt_ = 0;
   std::uint32_t number_ = 0, run_end_ = 0;
 };
 
@@ -218,31 +221,37 @@ class PairFilter {
     overlaps_ = 0;
   }
 
-  // Selects the triangles of each tile that meet the other tile's box, and tests their boxes
-  // against each other. Those of the first tile are rows; each row is assigned to 32 / (rows,
-  // rounded up to a power of two) lanes. Those of the second tile are columns; the lanes of a row
-  // divide them.
+  // Selects the triangles of each tile that meet the other tile's box and diagonals, and tests
+  // their boxes against each other. Those of the first tile are rows; each row is assigned to 32 /
+  // (rows, rounded up to a power of two) lanes. Those of the second tile are columns; the lanes of
+  // a row divide them.
   __device__ void layOut(const TilePair& pair) {
     const TileState a = c_.tiles.states[pair.a], b = c_.tiles.states[pair.b];
     const std::uint32_t at_a = pair.a.value * kWarp + lane_, at_b = pair.b.value * kWarp + lane_;
     const TileEntryBox box_a = c_.tiles.boxes[TileEntryIndex(at_a)];
     const TileEntryBox box_b = c_.tiles.boxes[TileEntryIndex(at_b)];
-    const unsigned in_a = a.live & __ballot_sync(kFullWarp, intersects(box_a.box(), b.box));
-    const unsigned in_b = b.live & __ballot_sync(kFullWarp, intersects(box_b.box(), a.box));
+    const DiagonalBox diagonals_a = c_.tiles.diagonals[TileEntryIndex(at_a)];
+    const DiagonalBox diagonals_b = c_.tiles.diagonals[TileEntryIndex(at_b)];
+    // The loads do not depend on each other: && would start some after the others have arrived.
+    const bool reaches_b = intersects(box_a.box(), b.box) & intersects(diagonals_a, b.diagonals);
+    const bool reaches_a = intersects(box_b.box(), a.box) & intersects(diagonals_b, a.diagonals);
+    const unsigned in_a = a.live & __ballot_sync(kFullWarp, reaches_b);
+    const unsigned in_b = b.live & __ballot_sync(kFullWarp, reaches_a);
     const std::uint32_t rows = __popc(in_a), columns = __popc(in_b);
     if (rows == 0 || columns == 0) return;
     if (schedule_.part() == 0 && resumed_ == 0) overlaps_ += rows * columns;
-    leave(in_a, at_a, box_a);
+    leave(in_a, box_a);
     const unsigned shift = rows > 1 ? 32 - __clz(static_cast<int>(rows - 1)) : 0;
     const std::uint32_t row = lane_ & ((1U << shift) - 1);
     const LaneBox box{memory_.boxes.low[row], memory_.boxes.high[row]};
-    leave(in_b, at_b, box_b);
+    leave(in_b, box_b);
     const unsigned stride = kWarp >> shift, log_stride = kLogWarp - shift, first = lane_ >> shift;
     const std::uint32_t own_steps = (columns + stride - 1 - first) >> log_stride;
     listHits(box, first, stride, row < rows ? own_steps : 0, (columns + stride - 1) >> log_stride);
   }
   // Tests the triangles of a tile against each other. Places them on a ring and tests each against
   // those up to halfway round, so that each pair is tested once and all lanes have equal work.
+  // Pairs that share a vertex by its number are left out at once, unless they may be contacts.
   __device__ void layOutSelf(TileIndex tile) {
     constexpr unsigned kSteps = kWarp / 2;
     const unsigned live = c_.tiles.states[tile].live;
@@ -251,18 +260,18 @@ class PairFilter {
     if (resumed_ == 0) overlaps_ += count * (count - 1) / 2;
     const std::uint32_t at = tile.value * kWarp + lane_;
     const bool mine = (live >> lane_ & 1) != 0;
-    leave(kFullWarp, at, mine ? c_.tiles.boxes[TileEntryIndex(at)] : TileEntryBox::of(Aabb()));
+    leave(kFullWarp, mine ? c_.tiles.boxes[TileEntryIndex(at)] : TileEntryBox::of(Aabb()));
     const LaneBox box{memory_.boxes.low[lane_], memory_.boxes.high[lane_]};
-    listHits(box, lane_ + 1, 1, lane_ < kSteps ? kSteps : kSteps - 1, kSteps);
+    const unsigned wanted = kAdjacent ? kFullWarp : ~c_.scene.slot_neighbours[TileEntryIndex(at)];
+    listHits(box, lane_ + 1, 1, lane_ < kSteps ? kSteps : kSteps - 1, kSteps,
+             __funnelshift_r(wanted, wanted, lane_ + 1));
   }
-  // Writes the boxes of the lanes in the bit mask `in` to the first places of memory_.boxes. `at`:
-  // this lane's slot.
-  __device__ void leave(unsigned in, std::uint32_t at, const TileEntryBox& box) {
+  // Writes the boxes of the lanes in the bit mask `in` to the first places of memory_.boxes.
+  __device__ void leave(unsigned in, const TileEntryBox& box) {
     __syncwarp();
     if ((in >> lane_ & 1) != 0) {
       const std::uint32_t place = __popc(in & ((1U << lane_) - 1));
-      const float slot = __uint_as_float(at);
-      memory_.boxes.low[place] = make_float4(box.low.x, box.low.y, box.low.z, slot);
+      memory_.boxes.low[place] = box.low;
       memory_.boxes.high[place] = box.high;
     }
     __syncwarp();
@@ -271,9 +280,10 @@ class PairFilter {
   // Lists the columns that meet the box of this lane's row. The lane tests the columns `first`,
   // `first` + `stride` and so on, `own_steps` in all; `steps` is the most that a lane tests.
   // Several parts or passes divide the steps. If the list gets full, the rest is left to another
-  // call.
+  // call. `wanted` has a bit for each step that counts.
   __device__ void listHits(const LaneBox& row, std::uint32_t first, std::uint32_t stride,
-                           std::uint32_t own_steps, std::uint32_t steps) {
+                           std::uint32_t own_steps, std::uint32_t steps,
+                           unsigned wanted = kFullWarp) {
     const bool one_pass = passes_ == 1;
     const std::uint32_t every = one_pass ? schedule_.parts() : passes_;
     std::uint32_t step = resumed_;
@@ -290,7 +300,8 @@ class PairFilter {
 #pragma unroll
       for (unsigned k = 0; k < kAtOnce; ++k) {
         const LaneBox other{memory_.boxes.low[column % kWarp], memory_.boxes.high[column % kWarp]};
-        const bool hit = (step < own_steps) & intersects(box, other.box());
+        const bool hit = (step < own_steps) & intersects(box, other.box()) &
+                         ((wanted >> (step % kWarp) & 1) != 0);
         const unsigned mask = __ballot_sync(kFullWarp, hit);
         if (hit) {
           hits_.items[hits_.size + __popc(mask & below)] = {slot, TileEntryIndex(other.slot())};
@@ -309,11 +320,21 @@ class PairFilter {
   __device__ void takeHits() {
     EntryPair pair{TileEntryIndex(0), TileEntryIndex(0)};
     const bool has = hits_.pop(pair);
-    const bool meet = has && intersects(c_.tiles.diagonals[pair.a], c_.tiles.diagonals[pair.b]);
+    // All loads are started before any of them is waited for.
+    DiagonalBox diagonals_a{}, diagonals_b{};
+    uint4 a{}, b{};
+    if (has) {
+      diagonals_a = c_.tiles.diagonals[pair.a];
+      diagonals_b = c_.tiles.diagonals[pair.b];
+      if (any_self_) {
+        a = c_.tiles.ids[pair.a];
+        b = c_.tiles.ids[pair.b];
+      }
+    }
+    const bool meet = has && intersects(diagonals_a, diagonals_b);
     std::uint32_t shared = 0;
     bool certified = false;
     if (any_self_ && meet) {
-      const uint4 a = c_.tiles.ids[pair.a], b = c_.tiles.ids[pair.b];
       if (kAdjacent) {
         shared = sharedBits(a, b);
         certified = (shared & certifiedBits(a)) != 0;

@@ -270,9 +270,26 @@ __device__ BodyIndex bodyOfChunk(const SceneArrays& scene, std::uint32_t chunk) 
   return BodyIndex(first);
 }
 
-// One block for each chunk from `first_chunk` on: writes scene.tile_body and scene.slot_triangle.
-// `sorted`: the sorted keys from triangle `first_triangle` on; null if all bodies have one chunk
-// only.
+// Returns the lanes, as bits, whose triangles share a vertex with this lane's by its number. `t` is
+// kNone in lanes without a triangle. Called by a whole warp.
+__device__ std::uint32_t neighboursOf(const SceneArrays& scene, TriangleIndex t) {
+  VertexIndex own[3] = {VertexIndex(kNone), VertexIndex(kNone), VertexIndex(kNone)};
+  for (int k = 0; t.value != kNone && k < 3; ++k) own[k] = scene.corners.row(t)[k];
+  std::uint32_t neighbours = 0;
+  for (unsigned lane = 0; lane < kWarp; ++lane) {
+    bool shares = false;
+    for (const VertexIndex& corner : own) {
+      const std::uint32_t other = __shfl_sync(kFullWarp, corner.value, lane);
+      for (const VertexIndex& v : own) shares = shares || v.value == other;
+    }
+    if (shares) neighbours |= 1U << lane;
+  }
+  return neighbours;
+}
+
+// One block for each chunk from `first_chunk` on: writes scene.tile_body, scene.slot_triangle and
+// scene.slot_neighbours. `sorted`: the sorted keys from triangle `first_triangle` on; null if all
+// bodies have one chunk only.
 __global__ void __launch_bounds__(TileHalving::kThreads)
     tileKernel(SceneArrays scene, std::uint32_t first_chunk, const std::uint64_t* sorted,
                std::uint32_t first_triangle) {
@@ -297,7 +314,9 @@ __global__ void __launch_bounds__(TileHalving::kThreads)
   for (std::uint32_t slot = threadIdx.x; slot < slots; slot += TileHalving::kThreads) {
     const std::uint32_t i = halving.triangleAt(slot);
     const TriangleIndex triangle = i < count ? triangleAt(i) : TriangleIndex(kNone);
-    scene.slot_triangle[TileEntryIndex(first_tile * kWarp + slot)] = triangle;
+    const TileEntryIndex at(first_tile * kWarp + slot);
+    scene.slot_triangle[at] = triangle;
+    scene.slot_neighbours[at] = neighboursOf(scene, triangle);
     if (slot % kWarp == 0) scene.tile_body[TileIndex(first_tile + slot / kWarp)] = b;
   }
 }

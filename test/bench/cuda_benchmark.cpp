@@ -1,8 +1,10 @@
 // Prints tables of the CUDA backend on real scenes: whole cycles and stages, moving input, medians
 // and 95th percentiles; pair sets are compared with the CPU backend's in the same run.
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -147,6 +149,23 @@ Moving withFarBodies(Moving moving) {
   return moving;
 }
 
+// A million triangles of some 3 mm with vertices of their own, in a cube of 1 m.
+TriangleMesh sparseSoup() {
+  constexpr std::uint32_t kVertices = 3000000;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> within(0, 1), near(0, 0.003F);
+  TriangleMesh mesh;
+  float corner[3] = {};
+  for (std::uint32_t v = 0; v < kVertices; ++v) {
+    for (float& x : corner) {
+      if (v % 3 == 0) x = within(random);
+      mesh.vertices.push_back(x + near(random));
+    }
+    mesh.triangles.push_back(v);
+  }
+  return mesh;
+}
+
 using MakeMoving = std::function<Moving()>;
 
 TriangleMesh readMesh(const char* file) { return readMeshFile(testDataFile(file)); }
@@ -170,6 +189,9 @@ std::vector<MakeMoving> namedScenes(const TriangleMesh& ball92, const TriangleMe
           },
           [] {
             return Moving{layeredCloths(), 0};
+          },
+          [] {
+            return Moving{movedUp("sparse soup", selfScene(sparseSoup())), 0.5};
           }};
 }
 

@@ -39,12 +39,14 @@ class OnDevice {
     device_scene_.makeTiles(stream_.get());
     device_scene_.makeTilesAgain(stream_.get());
     slots_ = fetch(arrays_.scene.slot_triangle.data(), std::size_t{kWarp} * tileCount());
+    neighbours_ = fetch(arrays_.scene.slot_neighbours.data(), std::size_t{kWarp} * tileCount());
     bodies_ = fetch(arrays_.scene.tile_body.data(), tileCount());
   }
 
   std::uint32_t tileCount() const { return arrays_.scene.tile_count; }
   // Triangles of the scene, 32 to a tile; kNone where there is none.
   const std::vector<TriangleIndex>& slots() const { return slots_; }
+  const std::vector<std::uint32_t>& neighbours() const { return neighbours_; }
   const std::vector<BodyIndex>& bodies() const { return bodies_; }
 
  private:
@@ -64,11 +66,33 @@ class OnDevice {
   CycleArrays arrays_{memory_};
   DeviceScene device_scene_{0, memory_, sizes_, arrays_.scene};
   std::vector<TriangleIndex> slots_;
+  std::vector<std::uint32_t> neighbours_;
   std::vector<BodyIndex> bodies_;
 };
 
+bool shareVertex(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
+  const std::uint32_t* const of_a = &mesh.triangles[3 * std::size_t{a}];
+  const std::uint32_t* const of_b = &mesh.triangles[3 * std::size_t{b}];
+  return std::find_first_of(of_a, of_a + 3, of_b, of_b + 3) != of_a + 3;
+}
+
+// The slots of a tile whose triangles share a vertex number, for each slot that has a triangle.
+// `first_triangle`: the first one of the body, whose mesh is given.
+void expectNeighbours(const TriangleMesh& mesh, const OnDevice& found, std::size_t first_slot,
+                      std::uint32_t first_triangle) {
+  const TriangleIndex* const slots = &found.slots()[first_slot];
+  for (unsigned i = 0; i < kWarp && slots[i].value != kNone; ++i) {
+    std::uint32_t expected = 0;
+    for (unsigned k = 0; k < kWarp && slots[k].value != kNone; ++k) {
+      const std::uint32_t a = slots[i].value - first_triangle, b = slots[k].value - first_triangle;
+      if (shareVertex(mesh, a, b)) expected |= 1U << k;
+    }
+    ASSERT_EQ(found.neighbours()[first_slot + i], expected) << "slot " << first_slot + i;
+  }
+}
+
 // Each triangle of each body that takes part in one slot of a tile of that body, of which all but
-// one are full.
+// one are full; and the neighbours of each slot.
 void expectWhole(const Scene& scene, const OnDevice& found) {
   std::uint32_t body = 0, first_triangle = 0, tile = 0;
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
@@ -86,6 +110,10 @@ void expectWhole(const Scene& scene, const OnDevice& found) {
     std::sort(in_slots.begin(), in_slots.end());
     for (std::uint32_t t = 0; t < count; ++t) expected[t] = t;
     ASSERT_EQ(in_slots, expected) << "body " << id;
+    for (std::uint32_t i = 0; i < tiles; ++i) {
+      ASSERT_NO_FATAL_FAILURE(expectNeighbours(scene.body(id).mesh, found,
+                                               std::size_t{kWarp} * (tile + i), first_triangle));
+    }
     tile += tiles;
     first_triangle += count;
     ++body;
@@ -110,6 +138,7 @@ TEST_F(TileSlots, HaveEachTriangleOfBodiesOfAnySizeOnce) {
     for (const std::uint32_t triangles : {size, 1U, 0U, 33U, size}) {
       add(&scene, soup(size, triangles, 1));
     }
+    add(&scene, sizedTo(clothGrid(50, 1, 0, 0.1F), size));
     OnDevice found;
     found.send(scene);
     ASSERT_NO_FATAL_FAILURE(expectWhole(scene, found)) << size;

@@ -35,6 +35,9 @@ struct DiagonalFrame {
 // The intervals along the four diagonals, two in each part.
 struct alignas(16) DiagonalBox {
   PackedBox parts[2];
+
+  // Returns what no points have: the least ends are above the greatest ones.
+  DCM_HD static DiagonalBox none() { return {{{~kPackedGuard, 0}, {~kPackedGuard, 0}}}; }
 };
 
 // Returns false only if the triangles are apart.
