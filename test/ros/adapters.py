@@ -72,24 +72,27 @@ class Adapters(unittest.TestCase):
             wait_until(lambda p=publisher: p.get_num_connections() > 0, f"a subscriber of {name}")
 
     def send(self, place):
-        """The box at that place in all types; {object: contacts of its cycle}."""
+        """The box at that place in all types; {object: contacts of its cycle}. One type is sent
+        after the other's cycle: the monitor's queue holds two messages, and drops the older."""
         box = (BOX[0] + place, BOX[1])
-        since, stamp = self.monitor.contacts.count(), now()
-        self.publishers["mesh"].publish(mesh_message("mesh", stamp, REFERENCE_FRAME, box))
-        self.publishers["late"].publish(mesh_message("late", stamp + LATE, REFERENCE_FRAME, box))
-        self.publishers["shape"].publish(shape_message(box))
-        self.publishers["marker"].publish(stamped(stamp, half_a_marker(place)))
-        self.publishers["array"].publish(stamped_array(stamp, array_message(box)))
+        stamp = now()
         with_middle = (np.concatenate([box[0], [place]]), None)
-        self.publishers["cells"].publish(stamped(stamp, cloud_message(with_middle, rows=3)))
-        self.publishers["cloud"].publish(stamped(stamp, cloud_message(box, rows=2)))
-
-        def is_of(name, contacts):
-            return (contacts.header.stamp >= stamp
-                    and contacts.triggered[contacts.bodies.index(name)])
-        return {name: self.monitor.contacts.wait(f"a cycle of {name}",
-                                                 lambda m, name=name: is_of(name, m), since)
-                for name in TYPES}
+        messages = {
+            "mesh": mesh_message("mesh", stamp, REFERENCE_FRAME, box),
+            "late": mesh_message("late", stamp + LATE, REFERENCE_FRAME, box),
+            "shape": shape_message(box),
+            "marker": stamped(stamp, half_a_marker(place)),
+            "array": stamped_array(stamp, array_message(box)),
+            "cells": stamped(stamp, cloud_message(with_middle, rows=3)),
+            "cloud": stamped(stamp, cloud_message(box, rows=2))}
+        contacts = {}
+        for name, message in messages.items():
+            def is_of(found, name=name):
+                return found.header.stamp >= stamp and found.triggered[found.bodies.index(name)]
+            since = self.monitor.contacts.count()
+            self.publishers[name].publish(message)
+            contacts[name] = self.monitor.contacts.wait(f"a cycle of {name}", is_of, since)
+        return contacts
 
     def wait_for_transforms(self):
         def is_complete():
