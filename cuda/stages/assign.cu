@@ -281,6 +281,14 @@ __device__ void countRejected(const SceneArrays& scene, std::uint32_t part, bool
   }
 }
 
+// Writes the state of a tile but for its diagonals.
+__device__ void putState(TileState* state, const Aabb& box, std::uint32_t live,
+                         std::uint32_t list) {
+  state->box = box;
+  state->live = live;
+  state->list = list;
+}
+
 // One warp for each tile. Reads scene.corners, scene.posed and scene.body_boxes; writes
 // tiles.entries, tiles.boxes, tiles.diagonals and tiles.states; adds to tiles.bin_entries,
 // tiles.lists and tiles.oversized. In swept motion (kStates == 2) it also writes the earlier
@@ -329,10 +337,8 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
     if (laneId() == 0) c.tiles.states[tile] = {Aabb(), 0, kNone, DiagonalBox::none()};
     return;
   }
-  if (here) {
-    c.tiles.entries[slot] = {corners.posed(), t, b, part};
-    if (kStates > 1) c.tiles.earlier[slot].posed = corners.earlier();
-  }
+  if (here) c.tiles.entries[slot] = {corners.posed(), t, b, part};
+  if (kStates > 1 && here) c.tiles.earlier[slot].posed = corners.earlier();
   c.tiles.boxes[slot] =
       TileEntryBox::of(here ? passedBox(c, corners, body.margin_m, box) : Aabb(), slot);
   const DiagonalBox diagonals =
@@ -346,12 +352,7 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   const std::uint32_t list = live == 0 || c.usesBruteForce()
                                  ? kNone
                                  : assignTile(c, tile, live, corners, body.slack, found[warp]);
-  if (laneId() == 0) {
-    TileState& state = c.tiles.states[tile];
-    state.box = all;
-    state.live = live;
-    state.list = list;
-  }
+  if (laneId() == 0) putState(&c.tiles.states[tile], all, live, list);
 }
 
 }  // namespace
