@@ -145,7 +145,7 @@ struct LaneBoxes {
 
 constexpr unsigned kHitCapacity = 8 * kWarp;
 constexpr unsigned kMetCapacity = 2 * kWarp, kAdjacentCapacity = 2 * kWarp;
-constexpr unsigned kCandidateCapacity = 3 * kWarp;  // both filters add to them
+constexpr unsigned kCandidateCapacity = 3 * kWarp;  // less than a warp, and what both filters add
 
 struct WarpMemory {
   LaneBoxes boxes;  // of the rows, then of the columns
@@ -189,8 +189,9 @@ class PairFilter {
         filterAdjacent();
       }
       const bool last = last_met && met_.size == 0 && adjacent_.size == 0;
-      if (candidates_.size >= kWarp || (last && candidates_.size > 0)) decideCandidates();
-      if (last && candidates_.size == 0) break;
+      // Less than a warp must be left, because both filters may add a warp before the next time.
+      while (candidates_.size >= kWarp || (last && candidates_.size > 0)) decideCandidates();
+      if (last) break;
     }
     addOverlaps();
   }
