@@ -138,7 +138,7 @@ struct SceneArrays : ArrayGroup {
   DeviceArray<std::uint32_t, BodyIndex, kSides> body_boxes{*this, &CycleSizes::bodies};
   // The identity of a vertex: equal for two vertices of a body if and only if they are equal as
   // received. It is the number of one of these vertices; at that vertex kRepeated is set if there
-  // are others.
+  // are others and CycleParams::fans is set.
   DeviceArray<VertexIndex, VertexIndex> vertex_id{*this, &CycleSizes::vertices};
   // 1 for each vertex whose fan is certified, as far as the vertex's own ring shows. Only for
   // bodies that may touch themselves, and if CycleParams::fans is set.
@@ -176,8 +176,7 @@ struct TileArrays : ArrayGroup {
   DeviceArray<std::uint32_t, ClusterIndex, kCountPlaces> counts{*this, &CycleSizes::clusters};
   DeviceArray<TileIndex, EntryIndex> bin_entries{*this, &CycleSizes::entries};
   DeviceArray<TileEntry, TileEntryIndex> entries{*this, &CycleSizes::slots};
-  DeviceArray<TileEntryBox, TileEntryIndex> boxes{*this, &CycleSizes::slots};
-  DeviceArray<DiagonalBox, TileEntryIndex> diagonals{*this, &CycleSizes::slots};  // as boxes
+  DeviceArray<TileBounds, TileIndex> bounds{*this, &CycleSizes::tiles};
   DeviceArray<EarlierTileEntry, TileEntryIndex> earlier{*this, &CycleSizes::swept_slots};
   // The ids of each entry's vertices, if some body may have contacts with itself.
   DeviceArray<uint4, TileEntryIndex> ids{*this, &CycleSizes::slots};
@@ -193,6 +192,13 @@ struct TileArrays : ArrayGroup {
     TileEntry entry;
     memcpy(&entry, words, sizeof entry);
     return entry;
+  }
+  // Return the bounds of one entry.
+  __device__ Aabb boxOf(TileEntryIndex slot) const {
+    return bounds[TileIndex(slot.value / kWarp)].box(slot.value % kWarp).box();
+  }
+  __device__ const DiagonalBox& diagonalsOf(TileEntryIndex slot) const {
+    return bounds[TileIndex(slot.value / kWarp)].diagonals[slot.value % kWarp];
   }
   __device__ std::uint32_t& count(ClusterIndex g) const { return *counts.row(g); }
   // Returns how many entries of a cluster are in its bin.

@@ -49,6 +49,16 @@ void add(const List& vertices, std::size_t first, std::size_t all, PinnedBuffer<
   copies.add(reached(vertices, first, all, staged), vertices.size(), to + first);
 }
 
+// Returns the size of the table of equal vertices, a power of two. Searches are short if it is
+// nearly empty; but a large one does not fit the device's cache, and must be cleared in each cycle.
+std::uint32_t identitySlots(std::uint32_t vertices) {
+  constexpr std::uint32_t kMany = std::uint32_t{1} << 19;
+  const std::uint64_t least = std::uint64_t{vertices} * (vertices < kMany ? 4 : 2);
+  std::uint32_t slots = 16;
+  while (slots < least) slots *= 2;
+  return slots;
+}
+
 }  // namespace
 
 std::vector<DeviceScene::LaidOutBody> DeviceScene::bodiesOf(const Scene& scene) const {
@@ -142,9 +152,7 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   CycleSizes::raise(sizes_.triangle_blocks, tables_.triangle_blocks.size());
   CycleSizes::raise(sizes_.tiles, tables_.tile_count);
   sizes_.slots = kWarp * sizes_.tiles;
-  sizes_.identity_slots = 16;  // must be a power of two
-  while (tables_.any_self && sizes_.identity_slots < 4 * tables_.vertex_count)
-    sizes_.identity_slots *= 2;
+  sizes_.identity_slots = identitySlots(tables_.any_self ? tables_.vertex_count : 0);
   vertices_.resize(scene.bodyCount());
   earlier_.resize(scene.bodyCount());
   for (std::uint32_t i = first; i < tables_.taking_part.size(); ++i) {

@@ -35,6 +35,21 @@ struct alignas(16) TileEntryBox {
   __device__ Aabb box() const { return {{low.x, low.y, low.z}, {high.x, high.y, high.z}}; }
 };
 
+// What bounds the entries of a tile, and all of it that their triangles pass; a slot without a live
+// triangle has empty bounds. Each part is an array of all lanes, so that a warp reads it in as few
+// memory sectors as possible.
+struct alignas(16) TileBounds {
+  float4 low[kWarp], high[kWarp];  // boxes, as in TileEntryBox
+  DiagonalBox diagonals[kWarp];
+
+  __device__ TileEntryBox box(unsigned lane) const { return {low[lane], high[lane]}; }
+  __device__ void put(unsigned lane, const TileEntryBox& box, const DiagonalBox& along) {
+    low[lane] = box.low;
+    high[lane] = box.high;
+    diagonals[lane] = along;
+  }
+};
+
 // The triangle of a tile entry at the beginning of the time interval, in the scene frame [m].
 struct alignas(16) EarlierTileEntry {
   Triangle posed;

@@ -290,9 +290,9 @@ __device__ void putState(TileState* state, const Aabb& box, std::uint32_t live,
 }
 
 // One warp for each tile. Reads scene.corners, scene.posed and scene.body_boxes; writes
-// tiles.entries, tiles.boxes, tiles.diagonals and tiles.states; adds to tiles.bin_entries,
-// tiles.lists and tiles.oversized. In swept motion (kStates == 2) it also writes the earlier
-// states, to tiles.earlier.
+// tiles.entries, tiles.bounds and tiles.states; adds to tiles.bin_entries, tiles.lists and
+// tiles.oversized. In swept motion (kStates == 2) it also writes the earlier states, to
+// tiles.earlier.
 template <int kStates>
 __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   __shared__ std::uint32_t found[kWarps][BorderTile<3 * kStates>::kMostFound];
@@ -339,11 +339,11 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   }
   if (here) c.tiles.entries[slot] = {corners.posed(), t, b, part};
   if (kStates > 1 && here) c.tiles.earlier[slot].posed = corners.earlier();
-  c.tiles.boxes[slot] =
-      TileEntryBox::of(here ? passedBox(c, corners, body.margin_m, box) : Aabb(), slot);
   const DiagonalBox diagonals =
       here ? passedDiagonals(c, corners, body.margin_m) : DiagonalBox::none();
-  c.tiles.diagonals[slot] = diagonals;
+  c.tiles.bounds[tile].put(
+      laneId(), TileEntryBox::of(here ? passedBox(c, corners, body.margin_m, box) : Aabb(), slot),
+      diagonals);
   // The tile's are written at once, because assignTile() needs the registers.
   const DiagonalBox of_tile = warpDiagonals(regular ? diagonals : DiagonalBox::none());
   if (laneId() == 0) c.tiles.states[tile].diagonals = of_tile;

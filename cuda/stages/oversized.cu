@@ -62,12 +62,12 @@ __device__ unsigned long long sweepAmong(const CycleArrays& c, std::uint32_t ove
   PacedCutOff pace(c, threadIdx.x == 0);
   for (std::uint32_t i = first; i < oversized_count; i += kBlocksAmong) {
     const TileEntryIndex at = c.tiles.oversized[Place(i)];
-    const Aabb box = c.tiles.boxes[at].box();
+    const Aabb box = c.tiles.boxOf(at);
     for (std::uint32_t j = i + 1 + threadIdx.x; j < oversized_count; j += kThreads) {
       if (pace.isOver(1)) return pairs;
       ++pairs;
       const TileEntryIndex other = c.tiles.oversized[Place(j)];
-      if (intersects(box, c.tiles.boxes[other].box())) filterBoxPair<kStates>(c, at, other);
+      if (intersects(box, c.tiles.boxOf(other))) filterBoxPair<kStates>(c, at, other);
     }
   }
   return pairs;
@@ -87,7 +87,7 @@ __device__ bool sweepTiles(const CycleArrays& c, std::uint32_t oversized_count, 
   const TileEntryIndex member(tile.value * kWarp + laneId());
   const bool live =
       tile.value < c.scene.tile_count && (c.tiles.states[tile].live >> laneId() & 1) != 0;
-  const Aabb box = live ? c.tiles.boxes[member].box() : Aabb();
+  const Aabb box = live ? c.tiles.boxOf(member) : Aabb();
   shared_box.clear();
   shared_box.include(box);
   const Aabb all = shared_box.get();
@@ -98,13 +98,13 @@ __device__ bool sweepTiles(const CycleArrays& c, std::uint32_t oversized_count, 
     __syncthreads();
     if (from + threadIdx.x < oversized_count) {
       const TileEntryIndex at = c.tiles.oversized[Place(from + threadIdx.x)];
-      if (intersects(all, c.tiles.boxes[at].box())) near[atomicAdd(&near_count, 1U)] = at;
+      if (intersects(all, c.tiles.boxOf(at))) near[atomicAdd(&near_count, 1U)] = at;
     }
     __syncthreads();
     if (live && !pace.isOver(near_count)) {
       pairs += near_count;
       for (std::uint32_t k = 0; k < near_count; ++k) {
-        if (!intersects(box, c.tiles.boxes[near[k]].box())) continue;
+        if (!intersects(box, c.tiles.boxOf(near[k]))) continue;
         filterBoxPair<kStates>(c, member, near[k]);
       }
     }

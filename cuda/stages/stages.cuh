@@ -64,7 +64,7 @@ void launchEntryIds(const CycleArrays& cycle, const CycleShape& shape, cudaStrea
 // assign: culls triangles that are not finite or outside every partner's box. Puts the others into
 // their tiles, and the tiles into their clusters' bins; oversized triangles go to a list of their
 // own. Takes samples for the clusters. Reads scene.posed and scene.corners; writes tiles.entries,
-// tiles.boxes, tiles.diagonals, tiles.states, tiles.bin_entries, tiles.lists, tiles.oversized and
+// tiles.bounds, tiles.states, tiles.bin_entries, tiles.lists, tiles.oversized and
 // clusters.samples. Directly after launchTransform.
 void launchAssign(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 

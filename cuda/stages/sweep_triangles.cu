@@ -16,34 +16,27 @@ namespace deformable_contact_monitor {
 namespace {
 
 // Numbers the pieces of work: first each tile against itself, if any body may have contacts with
-// itself, then dense pairs of tiles, then other pairs. If pairs are divided into parts, each part
-// has a number. The struct lies in shared memory, because registers are scarce.
+// itself, then dense pairs of tiles, then other pairs. If pairs are halved, each half has a number.
+// The struct lies in shared memory, because registers are scarce.
 struct ScheduleNumbers {
   std::uint32_t tiles, dense_end, end;
-  std::uint32_t log_dense_parts, log_parts;
+  std::uint32_t halves_dense, halves_others;  // 1 if these pairs are halved, otherwise 0
 
   // Computes the numbers for a grid of `warps` warps.
   __device__ void set(const CycleArrays& c, std::uint32_t warps) {
     tiles = c.params().any_self != 0 ? c.scene.tile_count : 0;
     const std::uint32_t dense = min(c.counters().dense_pairs, c.sweep.dense_pairs.size());
     const std::uint32_t others = min(c.counters().tile_pairs, c.sweep.tile_pairs.size());
-    const std::uint32_t most = kPartsEach * warps / max(tiles + dense + others, 1U);
-    const std::uint32_t log_most = most == 0 ? 0 : 31 - __clz(static_cast<int>(most));
-    log_parts = min(log_most, kMostLogParts);
-    log_dense_parts = max(log_parts, dense <= kDenseEach * warps ? 1U : 0U);
-    if (c.params().passes != 1) log_parts = log_dense_parts = 0;  // passes divide pairs too
-    dense_end = tiles + (dense << log_dense_parts);
-    end = dense_end + (others << log_parts);
+    // If there are at most so many pairs for each warp, they are halved. Otherwise the last pair
+    // would keep one warp busy when the others have ended. Each half repeats the work at the
+    // beginning of a pair.
+    constexpr std::uint32_t kFewEach = 2;
+    const bool divides = c.params().passes == 1;  // passes divide pairs too
+    halves_dense = divides && dense <= kFewEach * warps ? 1 : 0;
+    halves_others = divides && tiles + dense + others <= kFewEach * warps ? 1 : 0;
+    dense_end = tiles + (dense << halves_dense);
+    end = dense_end + (others << halves_others);
   }
-
- private:
-  // If pairs are few, they are divided into parts, at most kPartsEach for each warp. Otherwise the
-  // last pair would keep one warp busy when the others have ended. A pair has at most
-  // 2^kMostLogParts parts, because each part repeats the work at the beginning of a pair.
-  static constexpr std::uint32_t kPartsEach = 4, kMostLogParts = 3;
-  // Dense pairs are divided into at least two parts, unless there are more than so many for each
-  // warp.
-  static constexpr std::uint32_t kDenseEach = 2;
 };
 
 // Hands out numbers to one warp of a grid. The grid has one dimension; all lanes make each call.
@@ -60,9 +53,8 @@ class PairSchedule {
   // come last. Call it when the last pair's triangles have been taken, so that other work hides the
   // latency.
   __device__ void askForNext() {
-    // The compiler would add for all lanes together by atomicAdd(), and wait for its result here.
     if (laneId() == 0 && number_ + 1 >= run_end_) {
-      turn_ = atomicInc(&c_.counters().pairs_taken, kNone - 1);
+      turn_ = warps() + atomicAdd(&c_.counters().pairs_taken, 1U);
     }
   }
   // Moves on to the next number of this run, or to another run. Returns false if none is left.
@@ -73,15 +65,17 @@ class PairSchedule {
 
   __device__ std::uint32_t number() const { return number_; }
   // Returns whether the work is tile() against itself. Otherwise it is part() of the parts() parts
-  // of pair().
+  // of pair(), which are one or two.
   __device__ bool isSelf() const { return number_ < numbers_.tiles; }
   __device__ TileIndex tile() const { return TileIndex(number_); }
-  __device__ const TilePair& pair() const {
-    const Place place(numberOfKind() >> logParts());
-    return isDense() ? c_.sweep.dense_pairs[place] : c_.sweep.tile_pairs[place];
+  __device__ TilePair pair() const {
+    const Place place(numberOfKind() >> halves());
+    const TilePair& at = isDense() ? c_.sweep.dense_pairs[place] : c_.sweep.tile_pairs[place];
+    const auto both = reinterpret_cast<const uint2&>(at);  // the compiler would make two loads
+    return {TileIndex(both.x), TileIndex(both.y)};
   }
   __device__ std::uint32_t part() const { return isSelf() ? 0 : numberOfKind() & (parts() - 1); }
-  __device__ std::uint32_t parts() const { return 1U << logParts(); }
+  __device__ std::uint32_t parts() const { return 1U + halves(); }
 
  private:
   // Other pairs are taken in runs of kRun, except the last kRun * warps() of them, which are taken
@@ -94,14 +88,13 @@ class PairSchedule {
   __device__ std::uint32_t numberOfKind() const {
     return number_ - (isDense() ? numbers_.tiles : numbers_.dense_end);
   }
-  __device__ std::uint32_t logParts() const {
+  __device__ std::uint32_t halves() const {
     if (isSelf()) return 0;
-    return isDense() ? numbers_.log_dense_parts : numbers_.log_parts;
+    return isDense() ? numbers_.halves_dense : numbers_.halves_others;
   }
 
   __device__ void beginRun() {
-    number_ = __shfl_sync(kFullWarp, turn_, 0) + dealt_;
-    dealt_ = warps();
+    number_ = __shfl_sync(kFullWarp, turn_, 0);
     run_end_ = number_ + 1;
     if (isDense()) return;
     const std::uint32_t others = numbers_.end - numbers_.dense_end;
@@ -113,9 +106,8 @@ class PairSchedule {
 
   const CycleArrays& c_;
   const ScheduleNumbers& numbers_;
-  // The next turn of this warp, in the first lane, from dealt_ on. It is a number, except that a
-  // run counts as one. The first turns are dealt to the warps; the counter counts those after them.
-  std::uint32_t turn_, dealt_ = 0;
+  // The next turn of this warp, in the first lane. It is a number, except that a run counts as one.
+  std::uint32_t turn_;
   std::uint32_t number_ = 0, run_end_ = 0;
 };
 
@@ -228,14 +220,16 @@ class PairFilter {
   // a row divide them.
   __device__ void layOut(const TilePair& pair) {
     const TileState a = c_.tiles.states[pair.a], b = c_.tiles.states[pair.b];
-    const std::uint32_t at_a = pair.a.value * kWarp + lane_, at_b = pair.b.value * kWarp + lane_;
-    const TileEntryBox box_a = c_.tiles.boxes[TileEntryIndex(at_a)];
-    const TileEntryBox box_b = c_.tiles.boxes[TileEntryIndex(at_b)];
-    const DiagonalBox diagonals_a = c_.tiles.diagonals[TileEntryIndex(at_a)];
-    const DiagonalBox diagonals_b = c_.tiles.diagonals[TileEntryIndex(at_b)];
+    const TileBounds &bounds_a = c_.tiles.bounds[pair.a], &bounds_b = c_.tiles.bounds[pair.b];
+    const TileEntryBox box_a = bounds_a.box(lane_), box_b = bounds_b.box(lane_);
+    const DiagonalBox diagonals_a = bounds_a.diagonals[lane_];
+    const DiagonalBox diagonals_b = bounds_b.diagonals[lane_];
     // The loads do not depend on each other: && would start some after the others have arrived.
-    const bool reaches_b = intersects(box_a.box(), b.box) & intersects(diagonals_a, b.diagonals);
-    const bool reaches_a = intersects(box_b.box(), a.box) & intersects(diagonals_b, a.diagonals);
+    bool reaches_b = intersects(box_a.box(), b.box), reaches_a = intersects(box_b.box(), a.box);
+    if (!kAdjacent) {  // with the others' work, there are too few registers for this
+      reaches_b &= intersects(diagonals_a, b.diagonals);
+      reaches_a &= intersects(diagonals_b, a.diagonals);
+    }
     const unsigned in_a = a.live & __ballot_sync(kFullWarp, reaches_b);
     const unsigned in_b = b.live & __ballot_sync(kFullWarp, reaches_a);
     const std::uint32_t rows = __popc(in_a), columns = __popc(in_b);
@@ -261,7 +255,7 @@ class PairFilter {
     if (resumed_ == 0) overlaps_ += count * (count - 1) / 2;
     const std::uint32_t at = tile.value * kWarp + lane_;
     const bool mine = (live >> lane_ & 1) != 0;
-    leave(kFullWarp, mine ? c_.tiles.boxes[TileEntryIndex(at)] : TileEntryBox::of(Aabb()));
+    leave(kFullWarp, mine ? c_.tiles.bounds[tile].box(lane_) : TileEntryBox::of(Aabb()));
     const LaneBox box{memory_.boxes.low[lane_], memory_.boxes.high[lane_]};
     const unsigned wanted = kAdjacent ? kFullWarp : ~c_.scene.slot_neighbours[TileEntryIndex(at)];
     listHits(box, lane_ + 1, 1, lane_ < kSteps ? kSteps : kSteps - 1, kSteps,
@@ -325,8 +319,8 @@ class PairFilter {
     DiagonalBox diagonals_a{}, diagonals_b{};
     uint4 a{}, b{};
     if (has) {
-      diagonals_a = c_.tiles.diagonals[pair.a];
-      diagonals_b = c_.tiles.diagonals[pair.b];
+      diagonals_a = c_.tiles.diagonalsOf(pair.a);
+      diagonals_b = c_.tiles.diagonalsOf(pair.b);
       if (any_self_) {
         a = c_.tiles.ids[pair.a];
         b = c_.tiles.ids[pair.b];

@@ -90,18 +90,28 @@ __device__ void identify(const CycleArrays& c, const BodyBlock& block) {
   const std::uint32_t number = wanted ? numberOrSide(c, body, i) : i.value;
   scene.vertex_id[i] = VertexIndex(number);
   if (!wanted || number != i.value) return;
-  __threadfence();  // a thread that finds this vertex changes its entry afterwards
+  const bool marks = c.params().fans != 0;
+  if (marks) __threadfence();  // a thread that finds this vertex changes its entry afterwards
   const VertexIndex first = firstEqual(scene, block.body, i, v);
   if (first == i) return;
   scene.vertex_id[i] = first;
-  atomicOr(reinterpret_cast<std::uint32_t*>(&scene.vertex_id[first]), kRepeated);
+  if (marks) atomicOr(reinterpret_cast<std::uint32_t*>(&scene.vertex_id[first]), kRepeated);
 }
 
-// One thread for each vertex of the block: writes scene.fan_certified.
+// One thread for each vertex of the block: writes scene.fan_certified. If no vertex of the block
+// has two triangles, no fan can decide a pair.
 __device__ void certifyFans(const CycleArrays& c, const BodyBlock& block, Vec3f* staged) {
   const SceneArrays& scene = c.scene;
   const DeviceBody& body = scene.bodies[block.body];
   if (body.has_self == 0) return;
+  const bool mine = threadIdx.x < block.count;
+  const VertexIndex i(block.first + (mine ? threadIdx.x : 0));
+  constexpr std::uint32_t kRingOfOne = 2;
+  const bool has_pair = scene.fan_begin[i + 1].value - scene.fan_begin[i].value > kRingOfOne;
+  if (__syncthreads_or(mine && has_pair ? 1 : 0) == 0) {
+    if (mine) scene.fan_certified[i] = 0;
+    return;
+  }
   const Place first = scene.fan_begin[VertexIndex(block.first)];
   const Place end = scene.fan_begin[VertexIndex(block.first + block.count)];
   const std::uint32_t count = min(end.value - first.value, kStagedPoints);
@@ -110,8 +120,7 @@ __device__ void certifyFans(const CycleArrays& c, const BodyBlock& block, Vec3f*
     staged[k] = posedAt(scene, body, scene.fan_ring[first + k]);
   }
   __syncthreads();
-  if (threadIdx.x >= block.count) return;
-  const VertexIndex i(block.first + threadIdx.x);
+  if (!mine) return;
   const Vec3f v = posedAt(scene, body, i);
   const RingOfVertex ring(scene, body, staged, first, i);
   scene.fan_certified[i] = c.params().partition.has(v) && isFanCertified(v, ring) ? 1 : 0;
@@ -121,8 +130,7 @@ __device__ void certifyFans(const CycleArrays& c, const BodyBlock& block, Vec3f*
 // blocks run side by side, because they spend most time waiting for memory. They read
 // scene.received, so that they do not have to wait for scene.posed.
 __global__ void __launch_bounds__(kThreads) identityKernel(CycleArrays c) {
-  // Shared memory holds no type that has default values for its members.
-  __shared__ alignas(Vec3f) unsigned char memory[kStagedPoints * sizeof(Vec3f)];
+  extern __shared__ unsigned char memory[];  // for kStagedPoints points, if fans are needed
   auto* const staged = reinterpret_cast<Vec3f*>(memory);
   const std::uint32_t blocks = c.scene.vertex_block_count;
   if (blockIdx.x < blocks) {
@@ -167,7 +175,8 @@ void launchVertexIdentities(const CycleArrays& cycle, const CycleShape& shape,
   if (!shape.identify) return;
   if (shape.swept) return launchMovingVertexIdentities(cycle, stream);
   const unsigned blocks = (shape.fans ? 2 : 1) * cycle.scene.vertex_block_count;
-  identityKernel<<<blocks, kThreads, 0, stream>>>(cycle);
+  const std::size_t staged_bytes = shape.fans ? kStagedPoints * sizeof(Vec3f) : 0;
+  identityKernel<<<blocks, kThreads, staged_bytes, stream>>>(cycle);
 }
 
 void launchEntryIds(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {
