@@ -69,7 +69,8 @@ struct NearestAnswer {
   // contact_geometry; with it, it is that of the deepest pair, and may turn round between cycles.
   geometry_msgs::Point32 normal;
 
-  operator double() const { return distance_m; }  // as nearest() returned up to version 0.2
+  // As nearest() returned up to version 0.2.
+  operator double() const { return distance_m; }  // NOLINT(google-explicit-constructor): as then
 };
 
 // Returns a distance [m], >= 0, below which the pair certainly is not. Returns 0 if the pair
@@ -162,7 +163,7 @@ class ContactReader {
   // monitor's; nothing: not known.
   std::string nearestText(const std::string& body, const ros::Time& now,
                           const std::optional<MonitorMargins>& margins = std::nullopt) const {
-    const std::string because = whyUnknown(body, now);
+    std::string because = whyUnknown(body, now);
     if (!because.empty()) return because;
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     if (const ContactState* const state = nearestState(body)) {
@@ -315,7 +316,7 @@ class ContactReader {
 
   // Returns why a known state forbids its bodies to move; empty if it does not.
   std::string obstacle(const ContactState& state) const {
-    const std::string touching = nameOfContact(state);
+    std::string touching = nameOfContact(state);
     if (!touching.empty()) return touching;
     if (state.state != ContactState::NEAR) return "";
     const double distance_m = certainDistance(state, newest_.tolerance);

@@ -50,6 +50,7 @@ std::vector<RobotJoint> movableJoints(const std::vector<RobotJoint>& joints) {
 
 std::vector<std::string> namesOf(const std::vector<RobotJoint>& joints) {
   std::vector<std::string> names;
+  names.reserve(joints.size());
   for (const RobotJoint& joint : joints) names.push_back(joint.name);
   return names;
 }

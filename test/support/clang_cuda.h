@@ -14,6 +14,7 @@
 // CUDA's declarations of C's math functions, and its bodies for the host, clash with clang's own.
 #define __MATH_FUNCTIONS_H__
 #define __DEVICE_FUNCTIONS_HPP__
+#define __noinline__                          // an attribute that nothing here depends on
 #define __syncthreads syncThreadsOfClangTidy  // clang has a builtin of that name
 // NOLINTEND(bugprone-reserved-identifier)
 

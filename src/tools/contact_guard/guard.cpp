@@ -168,7 +168,7 @@ GuardOutput Guard::slowed() const {
 
 // Notes the output, because a closing speed that is measured later was scaled by it.
 GuardOutput Guard::decide(const ros::Time& now, SteadyTime steady_now) {
-  const GuardOutput output = decideNow(now, steady_now);
+  GuardOutput output = decideNow(now, steady_now);
   const auto now_ns = static_cast<std::int64_t>(now.toNSec());
   scales_.add(now_ns, output.scale);
   // No sample is older than max_age_s, and a state was not older than that when it arrived.

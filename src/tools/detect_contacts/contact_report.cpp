@@ -89,6 +89,7 @@ std::vector<BodyState> bodyStates(const Scene& scene, const DetectionResult& res
   }
   // The core decides, so the tool and the node report the same states.
   std::vector<BodyState> states;
+  states.reserve(distances.size());
   for (const BodyDistance& distance : distances) {
     states.push_back({distance, decide(distance, scene, options.tolerance_m)});
   }

@@ -71,6 +71,7 @@ TableRow row(const TradeArguments& arguments, const MarginMeasurement& m) {
 std::vector<TableRow> rows(const TradeArguments& arguments,
                            const std::vector<BoundMeasurement>& all) {
   std::vector<TableRow> rows;
+  rows.reserve(all.size());
   for (const BoundMeasurement& m : all) rows.push_back(row(arguments, m, all.front()));
   return rows;
 }
@@ -78,6 +79,7 @@ std::vector<TableRow> rows(const TradeArguments& arguments,
 std::vector<TableRow> rows(const TradeArguments& arguments,
                            const std::vector<MarginMeasurement>& all) {
   std::vector<TableRow> rows;
+  rows.reserve(all.size());
   for (const MarginMeasurement& m : all) rows.push_back(row(arguments, m));
   return rows;
 }

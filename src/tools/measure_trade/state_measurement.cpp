@@ -20,6 +20,7 @@ double shareOfStates(std::size_t part, std::size_t all) {
 
 std::vector<TableRow> rows(const std::vector<StateMeasurement>& all) {
   std::vector<TableRow> rows;
+  rows.reserve(all.size());
   for (const StateMeasurement& m : all) {
     rows.push_back({{"way", m.way},
                     {"question", m.nearest ? "nearest" : "touch"},
