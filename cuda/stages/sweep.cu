@@ -157,7 +157,7 @@ class Sweeper {
   // Writes up to a warp of queued pairs to their list. Few hits are kept, so the queue makes one
   // addition to the counter serve many pairs.
   template <class Pairs>
-  __device__ void leave(WarpQueue<TilePair>& queue, std::uint32_t* counter, const Pairs& to) {
+  __device__ void leave(WarpQueue<TilePair, kPairCapacity>& queue, std::uint32_t* counter, const Pairs& to) {
     TilePair pair{};
     const bool has = queue.pop(pair);
     const Place place(warpReserve(counter, has));
@@ -165,8 +165,8 @@ class Sweeper {
   }
 
   const CycleArrays& c_;
-  WarpQueue<Hit> hits_;
-  WarpQueue<TilePair> dense_, others_;
+  WarpQueue<Hit, kHitCapacity> hits_;
+  WarpQueue<TilePair, kPairCapacity> dense_, others_;
   WorkUnit unit_{};  // has no rows before the first unit
   PackedBox box_{};
   std::uint32_t begin_ = 0, end_ = 0, length_ = 0;  // columns of this lane's row

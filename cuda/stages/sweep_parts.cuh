@@ -3,6 +3,8 @@
 // may meet.
 #pragma once
 
+#include <cassert>
+
 #include "cuda/device/warp.cuh"
 #include "cuda/memory/cycle_arrays.cuh"
 
@@ -34,8 +36,9 @@ __device__ inline unsigned lanesBelow() {
 }
 
 // A queue of one warp, in shared memory. `size` is the same in all lanes. The caller makes sure
-// that there is room. All calls are made by the whole warp.
-template <class T>
+// that there is room: what is pushed beyond kCapacity items overwrites other memory of the block,
+// which no tool reports. Builds with assertions stop then. All calls are made by the whole warp.
+template <class T, unsigned kCapacity>
 struct WarpQueue {
   T* items;
   unsigned size = 0;
@@ -45,6 +48,7 @@ struct WarpQueue {
     const unsigned mask = __ballot_sync(kFullWarp, has);
     if (has) items[size + __popc(mask & ((1U << laneId()) - 1))] = item;
     size += __popc(mask);
+    assert(size <= kCapacity);
   }
   // Removes up to 32 items. Returns true in the lanes that got one.
   __device__ bool pop(T& item) {

@@ -398,8 +398,10 @@ class PairFilter {
 
   const CycleArrays& c_;
   WarpMemory& memory_;
-  WarpQueue<EntryPair> hits_, met_, adjacent_;
-  WarpQueue<DeviceCandidate> candidates_;
+  WarpQueue<EntryPair, kHitCapacity> hits_;
+  WarpQueue<EntryPair, kMetCapacity> met_;
+  WarpQueue<EntryPair, kAdjacentCapacity> adjacent_;
+  WarpQueue<DeviceCandidate, kCandidateCapacity> candidates_;
   const std::uint32_t lane_;
   const bool any_self_;
   const std::uint32_t passes_;
