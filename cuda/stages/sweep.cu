@@ -157,7 +157,8 @@ class Sweeper {
   // Writes up to a warp of queued pairs to their list. Few hits are kept, so the queue makes one
   // addition to the counter serve many pairs.
   template <class Pairs>
-  __device__ void leave(WarpQueue<TilePair, kPairCapacity>& queue, std::uint32_t* counter, const Pairs& to) {
+  __device__ void leave(WarpQueue<TilePair, kPairCapacity>& queue, std::uint32_t* counter,
+                        const Pairs& to) {
     TilePair pair{};
     const bool has = queue.pop(pair);
     const Place place(warpReserve(counter, has));
