@@ -35,9 +35,9 @@ struct alignas(16) TileEntryBox {
   __device__ Aabb box() const { return {{low.x, low.y, low.z}, {high.x, high.y, high.z}}; }
 };
 
-// What bounds the entries of a tile, and all of it that their triangles pass; a slot without a live
-// triangle has empty bounds. Each part is an array of all lanes, so that a warp reads it in as few
-// memory sectors as possible.
+// The bounds of a tile's entries; in swept motion they bound all that the triangles pass. They are
+// empty in slots without a triangle, and where it is culled. Each part is an array of all lanes, so
+// that a warp reads it in as few memory sectors as possible.
 struct alignas(16) TileBounds {
   float4 low[kWarp], high[kWarp];  // boxes, as in TileEntryBox
   DiagonalBox diagonals[kWarp];

@@ -36,8 +36,8 @@ __device__ inline unsigned lanesBelow() {
 }
 
 // A queue of one warp, in shared memory. `size` is the same in all lanes. The caller makes sure
-// that there is room: what is pushed beyond kCapacity items overwrites other memory of the block,
-// which no tool reports. Builds with assertions stop then. All calls are made by the whole warp.
+// that there is room: what is pushed beyond kCapacity items overwrites other memory of the block.
+// Builds with assertions stop then. All calls are made by the whole warp.
 template <class T, unsigned kCapacity>
 struct WarpQueue {
   T* items;
