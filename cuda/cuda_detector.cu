@@ -101,7 +101,9 @@ void SingleGpuDetector::findContacts(const Scene& scene, const Options& options,
   if (limit.wasOver() && !(all && listed && searched && collector_.allDecided())) {
     result_.cutOff(limit.why());
   }
-  if (counted.unexamined > 0) result_.cutOff("memory_limit_mib");
+  if (counted.unexamined > 0 || !collector_.hadRoomForOpenPairs()) {
+    result_.cutOff("memory_limit_mib");
+  }
   giveDistances(scene, options, searched, &result_);
   // A tile whose list of clusters had no room reports its pairs in every cluster, so some pairs may
   // be found several times.

@@ -16,9 +16,8 @@ namespace deformable_contact_monitor {
 // Makes a detector pool (core/detector_pool.h) of the backends that are asked for.
 // - kCpu: the CPU backend.
 // - kAuto: CUDA. The CPU takes over where CUDA cannot be used or fails in a detection.
-// - kCuda: the same as kAuto, unless `without_cuda` is kRefuse: then only CUDA is used, and errors
-// of
-//   makeCudaDetector() and of its detectors are thrown.
+// - kCuda: the same as kAuto. With kRefuse as `without_cuda`, only CUDA is used, and its errors are
+//   thrown.
 // CUDA is tried again after a failure only with WithoutCuda::kTryAgain.
 //
 // `settings`: memory_limit_bytes also bounds each detector on the CPU. Sets of enabled pairs have

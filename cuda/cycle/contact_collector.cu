@@ -94,7 +94,7 @@ void OpenPairs::addTo(const DeviceScene& scene, const Options& options, Detectio
 void ContactCollector::begin() {
   decide_ms_ = 0;
   all_decided_ = true;
-  open_pairs_.clear();
+  dropOpenPairs();
 }
 
 void ContactCollector::fetch(const Options& options, const CycleLimit& limit) {
@@ -129,8 +129,10 @@ void ContactCollector::complete(const CycleLimit& limit) {
 
 void ContactCollector::decideOpenPairs(const Options& options, const CycleLimit& limit) {
   const Stopwatch watch{};
-  open_pairs_.decide(cycle_.arrays, std::min(cycle_.counted().open_pairs, cycle_.sizes.open_pairs),
-                     options, limit, cycle_.stream.get());
+  const std::uint32_t open = cycle_.counted().open_pairs;
+  all_had_room_ = all_had_room_ && open <= cycle_.sizes.open_pairs;
+  open_pairs_.decide(cycle_.arrays, std::min(open, cycle_.sizes.open_pairs), options, limit,
+                     cycle_.stream.get());
   decide_ms_ += watch.elapsedMs();
   all_decided_ = all_decided_ && !limit.wasOver();
 }

@@ -67,7 +67,10 @@ class ContactCollector {
   void complete(const CycleLimit& limit);
 
   // Drops the pairs that were left to the host, because the next pass finds them again.
-  void dropOpenPairs() { open_pairs_.clear(); }
+  void dropOpenPairs() {
+    open_pairs_.clear();
+    all_had_room_ = true;
+  }
   // Decides on the host the pairs that the last cycle or pass left open.
   void decideOpenPairs(const Options& options, const CycleLimit& limit);
 
@@ -77,6 +80,8 @@ class ContactCollector {
 
   // Returns whether the limit left time for all pairs that were left to the host.
   bool allDecided() const { return all_decided_; }
+  // Returns whether all pairs that the device left to the host had room, and so were decided.
+  bool hadRoomForOpenPairs() const { return all_had_room_; }
   // Return how many pairs the host decided, and how long that took [ms].
   std::uint64_t decidedOnHost() const { return open_pairs_.taken(); }
   double decideMs() const { return decide_ms_; }
@@ -90,6 +95,7 @@ class ContactCollector {
   OpenPairs open_pairs_;
   double decide_ms_ = 0;
   bool all_decided_ = true;
+  bool all_had_room_ = true;
   std::uint64_t last_contacts_ = 0;  // of the last cycle: an estimate for the next one
 };
 

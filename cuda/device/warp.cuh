@@ -10,6 +10,13 @@ constexpr unsigned kFullWarp = 0xffffffffU;
 
 __device__ inline unsigned laneId() { return threadIdx.x % kWarp; }
 
+// Returns the value of the first lane. What other warps change may be read differently by lanes,
+// and a warp must not part over it. Called by a whole warp.
+template <class T>
+__device__ inline T sameInWarp(T value) {
+  return __shfl_sync(kFullWarp, value, 0);
+}
+
 // Returns the greatest x of all lanes. Called by a whole warp.
 __device__ inline std::uint32_t warpMost(std::uint32_t x) {
 #if __CUDA_ARCH__ >= 800

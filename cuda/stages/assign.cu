@@ -207,7 +207,7 @@ __device__ std::uint32_t reserveList(const CycleArrays& c, std::uint32_t length)
   std::uint32_t place = 0;
   if (laneId() == 0) {
     place = atomicAdd(&c.counters().list_words, length + 1);
-    if (place + length + 1 > c.tiles.lists.size()) place = kNone;
+    if (std::uint64_t{place} + length + 1 > c.tiles.lists.size()) place = kNone;
     if (place != kNone) c.tiles.lists[Place(place)] = length;
   }
   return __shfl_sync(kFullWarp, place, 0);

@@ -141,7 +141,7 @@ __global__ void __launch_bounds__(kTaskThreads) tilesKernel(CycleArrays c) {
     const Place of_a(bodies.first_region_a + i / bodies.regions_b);
     const Place of_b(bodies.first_region_b + i % bodies.regions_b);
     const Aabb box_a = c.nearest.region_boxes[of_a], box_b = c.nearest.region_boxes[of_b];
-    Key key = bestOf(c, pair);
+    Key key = sameInWarp(bestOf(c, pair));
     if (box_a.empty() || box_b.empty() || lowerGap(box_a, box_b) > distanceOf(key)) continue;
     const TileRegion a = c.nearest.regions[of_a], b = c.nearest.regions[of_b];
     const TileIndex tile(a.first_tile.value + min(laneId(), a.tile_count - 1));
@@ -149,7 +149,7 @@ __global__ void __launch_bounds__(kTaskThreads) tilesKernel(CycleArrays c) {
     const bool counts = laneId() < a.tile_count && own.least != kNone;
     if (triangleOf(key) == kNone) {
       boundByPoints(c, pair, b, counts, tile, own);
-      key = bestOf(c, pair);
+      key = sameInWarp(bestOf(c, pair));
     }
     for (std::uint32_t j = 0; j < b.tile_count; ++j) {
       const TileIndex other(b.first_tile.value + j);

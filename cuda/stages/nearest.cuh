@@ -118,7 +118,7 @@ class TilePairSearch {
   // Searches two tiles, of the second one the triangles in `lanes_of_b`. Called by a whole warp.
   __device__ void run(const NearTiles& tiles, unsigned lanes_of_b = kFullWarp) {
     tiles_ = tiles;
-    key_ = bestOf(c_, tiles.pair);
+    key_ = sameInWarp(bestOf(c_, tiles.pair));
     const TileBound &bound_a = c_.nearest.tiles[tiles.a], &bound_b = c_.nearest.tiles[tiles.b];
     if (keyOf(lowerGap(bound_a.box, bound_b.box), bound_a.least) > key_) return;
     const Side a(c_, tiles.a), b(c_, tiles.b);

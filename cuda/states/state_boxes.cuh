@@ -113,13 +113,6 @@ __device__ inline float reachOf(const StateArrays& s, const DeviceStatePair& pai
   return pair.reachM(__uint_as_float(static_cast<const volatile std::uint32_t&>(s.apart[state])));
 }
 
-// Returns the value of the first lane. What other warps change may be read differently by lanes,
-// and a warp must not part over it. Called by a whole warp.
-template <class T>
-__device__ inline T sameInWarp(T value) {
-  return __shfl_sync(kFullWarp, value, 0);
-}
-
 // Returns whether it is known that a pair of bodies touches in a state.
 __device__ inline bool isKnownToTouch(const StateArrays& s, std::uint32_t state,
                                       std::uint32_t pair) {

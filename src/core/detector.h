@@ -63,8 +63,8 @@ struct DCM_EXPORT BodyDistance {
   float high_m = std::numeric_limits<float>::infinity();
   TrianglePair witness{0, 0, 0, 0};
   // Those two points [m], each with an error of at most 2^-22 of its largest coordinate, or 2^-50
-  // of the distance if that is more. If the triangles intersect, the points are near their
-  // intersection.
+  // of the distance if that is more, plus 2^-24 of the smaller triangle's longest edge. If the
+  // triangles intersect, the points are near their intersection.
   Vec3f point_a, point_b;
   // The nearest pair of the two bodies is known (options.nearest): it is the witness, and in
   // DetectionResult::nearest, or they are farther apart than their margin, and high_m is +inf.
@@ -73,8 +73,8 @@ struct DCM_EXPORT BodyDistance {
   std::uint32_t contact_count = 0;  // how many contacts of the pair are in that list
 };
 
-// How far two bodies are apart at most their margin, at the present moment also in swept motion.
-// Only triangles with finite vertices count.
+// The nearest triangles of two bodies that touch or are at most their margin apart, at the present
+// moment also in swept motion. Only triangles with finite vertices count.
 struct DCM_EXPORT NearestPair {
   // The two triangles that are nearest to each other; of several at the same float32 distance, the
   // least by (triangle_a, triangle_b). body_a < body_b.
@@ -82,8 +82,8 @@ struct DCM_EXPORT NearestPair {
   // Their distance [m], right to 2^-28 of itself before it is rounded to float32. 0: they touch.
   float distance_m = 0;
   // The closest points of the two triangles [m], scene frame, each with an error of at most 2^-22
-  // of its largest coordinate, or 2^-50 of the distance if that is more. If they touch: one point
-  // near their intersection, twice.
+  // of its largest coordinate, or 2^-50 of the distance if that is more, plus 2^-24 of the smaller
+  // triangle's longest edge. If they touch: one point near their intersection, twice.
   Vec3f point_a, point_b;
   Vec3f normal;  // a unit vector from a to b, scene frame; zero if they touch
 

@@ -83,6 +83,7 @@ struct BodyStatus {
   std::uint64_t rejected = 0;                // triangles left out because a vertex is not finite
   std::shared_ptr<const BodyParts> parts{};  // null: the object has no named parts
   std::vector<std::uint64_t> rejected_by_part{};  // `rejected` by piece; empty: none
+  bool without_mesh = false;  // an object whose mesh was asked for and is not there, or was refused
 
   std::size_t partCount() const { return parts == nullptr ? 0 : parts->names.size(); }
   std::size_t pieceCount() const { return parts == nullptr ? 1 : parts->pieceCount(); }

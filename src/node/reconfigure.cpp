@@ -67,7 +67,7 @@ LiveParameters fromConfig(const ContactMonitorConfig& config, const LiveParamete
 
 // The classes are flags here, but a list (pair_classes) among the parameters. change() keeps that
 // list up to date as well, so that a dump of the parameters and a restarted node have the values in
-// force.
+// force. If all are off, a restarted node has the default, as the empty list means that.
 Reconfigure::Reconfigure(const MonitorParameters& parameters, const ros::NodeHandle& private_node,
                          std::function<void(const LiveParameters&)> apply)
     : private_node_(private_node),

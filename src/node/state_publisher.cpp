@@ -25,26 +25,27 @@ SteadyTime StatePublisher::publish(const CycleReport& report) {
   return std::chrono::steady_clock::now();
 }
 
+// The time is taken under the lock, because readers drop a message whose stamp is before the last.
 void StatePublisher::forget(const std::string& body, const std::string& reason) {
+  const std::lock_guard<std::mutex> lock(mutex_);
   const ros::Time now = ros::Time::now();
   tracker_.forget(body, reason, now);
-  const std::lock_guard<std::mutex> lock(mutex_);
   publishLocked(now, now);
 }
 
 void StatePublisher::discard(const std::string& reason, std::uint64_t epoch) {
+  const std::lock_guard<std::mutex> lock(mutex_);
   const ros::Time now = ros::Time::now();
   tracker_.discard(reason, now, epoch);
-  const std::lock_guard<std::mutex> lock(mutex_);
   publishLocked(now, now);
 }
 
 // Publishes if a state expired, or if nothing was published for a second, so that subscribers can
 // tell a quiet monitor from a dead one.
 void StatePublisher::beat(const std::string& why) {
+  const std::lock_guard<std::mutex> lock(mutex_);
   const ros::Time now = ros::Time::now();
   const bool expired = tracker_.expire(now, why);
-  const std::lock_guard<std::mutex> lock(mutex_);
   if (expired || std::chrono::steady_clock::now() - last_ >= kLongestSilence) {
     publishLocked(now, now);
   }

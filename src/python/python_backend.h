@@ -69,10 +69,12 @@ class PythonBackend {
     }
   }
 
-  // Returns work(backend), during which the scene cannot change and other Python threads run. Asks
-  // requireUnused() itself, because reading arguments may have let other threads run.
-  template <class Work>
-  auto& run(PythonScene* scene, const Work& work) {
+  // Returns copy(work(backend)). During both, the scene cannot change and the backend is in use;
+  // during the work other Python threads run. The copy counts because Python may let other threads
+  // run while it makes objects. Asks requireUnused() itself, because reading arguments may have let
+  // other threads run.
+  template <class Work, class Copy>
+  auto run(PythonScene* scene, const Work& work, const Copy& copy) {
     requireUnused();
     const PythonScene::Looking looking(scene);
     // Ends with the global lock taken again, whatever the work throws.
@@ -84,8 +86,12 @@ class PythonBackend {
       }
     } const working{this};
     working_.set();
-    const pybind11::gil_scoped_release others_run;
-    return work(used_.get());
+    const auto& result = [&]() -> decltype(auto) {
+      const pybind11::gil_scoped_release others_run;
+      return work(used_.get());
+    }();
+    update();
+    return copy(result);
   }
 
  private:

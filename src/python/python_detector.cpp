@@ -170,18 +170,20 @@ PythonDetector::PythonDetector(BackendChoice choice, const CudaSettings& setting
       options_(options),
       tilings_(tilings) {}
 
-// The result is copied after Python's global lock is held again, because making numpy arrays needs
-// it.
 PythonResult PythonDetector::detect(PythonScene* scene, std::optional<double> max_time_s) {
   requireUnused();
   warnIfNothingIsEnabled(scene->scene());
   Options options = options_;
   options.limits.deadline = deadlineIn(max_time_s);
-  const DetectionResult& result = run(scene, [&](Detector* detector) -> const DetectionResult& {
-    makeTilings(scene->scene(), options);
-    return detector->detect(scene->scene(), options);
-  });
-  return {result, backend(), scene->scene(), options_};
+  return run(
+      scene,
+      [&](Detector* detector) -> const DetectionResult& {
+        makeTilings(scene->scene(), options);
+        return detector->detect(scene->scene(), options);
+      },
+      [&](const DetectionResult& result) {
+        return PythonResult{result, backend(), scene->scene(), options_};
+      });
 }
 
 // A cache begins a tiling when it was asked for it several times, once per cycle. Bodies that get

@@ -206,10 +206,14 @@ PythonStates PythonStateChecker::check(PythonScene* scene, const std::vector<std
   options.nearest = nearest;
   options.threads = threads_;
   options.limits.deadline = deadlineIn(max_time_s);
-  const StateResults& results = run(scene, [&](StateChecker* checker) -> const StateResults& {
-    return checker->check(scene->scene(), batch, options);
-  });
-  return {results, options, backend()};
+  return run(
+      scene,
+      [&](StateChecker* checker) -> const StateResults& {
+        return checker->check(scene->scene(), batch, options);
+      },
+      [&](const StateResults& results) {
+        return PythonStates{results, options, backend()};
+      });
 }
 
 // Arguments are in the order of the stub file.

@@ -168,6 +168,24 @@ class ContactGuard(unittest.TestCase):
             wanted=lambda m: any("latched" in s.name and "is below slow_distance_m" in s.message
                                  for s in m.status))
 
+    def test_a_margin_that_changes_is_looked_at_again(self):
+        """It was large enough at first."""
+        def wait_for(is_said):
+            self.diagnostics.wait(
+                f"a margin that is said: {is_said}", since=self.diagnostics.count(),
+                wanted=lambda m: any("stops_before" in s.name and
+                                     ("is below slow_distance_m" in s.message) == is_said
+                                     for s in m.status))
+
+        wait_for(False)
+        margin_m = rospy.get_param("contact_monitor/margin_m")
+        rospy.set_param("contact_monitor/margin_m", 0.1)
+        try:
+            wait_for(True)
+        finally:
+            rospy.set_param("contact_monitor/margin_m", margin_m)
+        wait_for(False)
+
 
 if __name__ == "__main__":
     rospy.init_node("contact_guard_test")

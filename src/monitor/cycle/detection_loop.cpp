@@ -81,6 +81,9 @@ void DetectionLoop::lookAtTime() {
   const double back_s = clock_.update(time_.ros());
   if (clock_.isThere() != was_there) list_due_ = SteadyTime();
   if (!clock_.isThere()) dropMeshes();
+  // Transforms from before the clock may have stamps of another one, and keep newer ones out.
+  if (clock_.isThere() && had_no_clock_) sources_.transforms.clear();
+  had_no_clock_ = !clock_.isThere();
   if (back_s > 0) reset("time jump: the clock went back by " + std::to_string(back_s) + " s");
 }
 
@@ -367,8 +370,8 @@ CycleReport DetectionLoop::findContacts(const ros::Time& t, const CycleTrigger& 
 void DetectionLoop::listPairs() {
   list_due_ = time_.steady() + std::chrono::seconds(1);
   scene_.markUnknown(whyUnknown());
-  CycleReport report = scene_.makeReport(clock_.rosTime(), cycle_);
-  report.now = time_.ros();
+  CycleReport report = scene_.makeReport(time_.ros(), cycle_);
+  report.now = report.header.stamp;
   sink_->listPairs(report);
 }
 

@@ -217,6 +217,7 @@ void MonitorScene::clearStatuses() {
     body.topology_id = 0;
     body.unknown_because = isPosed(id) ? posed_problems_[id] : "";
     body.triggered = false;
+    body.without_mesh = false;
   }
 }
 
@@ -350,7 +351,9 @@ std::vector<const IncomingMesh*> MonitorScene::chooseMeshes(const MeshChoice& ch
   std::vector<const IncomingMesh*> meshes(choosers_.size(), nullptr);
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     BodyStatus& body = bodies_[first_object_ + i];
-    if (asked[first_object_ + i]) meshes[i] = choose(i, &body.unknown_because);
+    if (!asked[first_object_ + i]) continue;
+    meshes[i] = choose(i, &body.unknown_because);
+    body.without_mesh = meshes[i] == nullptr;
   }
   return meshes;
 }

@@ -1,7 +1,7 @@
 // A walker over a serialized ROS message: it checks the message's length fields, and allocates
 // nothing. roscpp's own reader reserves what an array claims to hold before it looks whether those
-// bytes were sent: a message of 5 KB can make it reserve 16 GB. So all bytes from outside (topics,
-// bags) pass this walker before roscpp reads them.
+// bytes were sent: a message of 5 KB can make it reserve 16 GB. So meshes from topics, and all that
+// is read from bags, pass this walker before roscpp reads them.
 #pragma once
 
 #include <cstddef>

@@ -54,8 +54,8 @@ ContactPatches toContactPatches(const CycleReport& report, const std::vector<Pat
 // `source` says why.
 LinkMeshes toLinkMeshes(const RobotGeometry& geometry, const ros::Time& stamp);
 
-// Converts link meshes back. A malformed or empty mesh, and a link that occurs twice, costs only
-// that link: it keeps its place, has its `problem` set and has no mesh. The robot's name is empty.
+// Converts link meshes back. A malformed or empty mesh, and a link that occurs twice, keeps its
+// place, has its `problem` set and has no mesh. The robot's name is empty.
 RobotGeometry fromLinkMeshes(const LinkMeshes& message);
 
 // Returns the count, or the largest 32-bit value if the count is larger.

@@ -27,6 +27,23 @@ bool isPartnersProblem(const CycleReport& report, const MonitoredPair& pair) {
          isKnownOrPartner(report.bodies.at(pair.b), pair.part_b);
 }
 
+// Returns whether the cycle is of an object of the pair that has no mesh: it was refused or
+// deleted.
+bool hasLostMesh(const CycleReport& report, const MonitoredPair& pair) {
+  const BodyStatus &a = report.bodies.at(pair.a), &b = report.bodies.at(pair.b);
+  return (a.triggered && a.without_mesh) || (b.triggered && b.without_mesh);
+}
+
+// Returns the older stamp of the data that the pair's state is found with.
+ros::Time oldestStamp(const CycleReport& report, const MonitoredPair& pair) {
+  ros::Time oldest = report.header.stamp;
+  for (const BodyId id : {pair.a, pair.b}) {
+    const ros::Time& stamp = report.bodies.at(id).stamp;
+    if (!stamp.isZero()) oldest = std::min(oldest, stamp);
+  }
+  return oldest;
+}
+
 // Does the same as comparing with nameOf(), without making the names of bodies anew.
 bool isNamed(const std::string& name, const BodyStatus& body, PartId part) {
   return part == 0 ? name == body.name : name == nameOf(body, part);
@@ -134,9 +151,8 @@ void ContactStateTracker::updateTrack(const CycleReport& report, const Monitored
   }
   if (report.epoch < epoch_) return;
   const IntervalFinding interval = found.inInterval(pair);
-  if (track->isKnown() && report.header.stamp < track->state.stamp) {
-    return updateOlder(report, interval, track);
-  }
+  const bool is_older = track->isKnown() && report.header.stamp < track->state.stamp;
+  if (is_older && !hasLostMesh(report, pair)) return updateOlder(report, interval, track);
   ContactState state = found.atStamp(pair);
   if (state.state == ContactState::UNKNOWN) {
     interrupt(ContactState::UNKNOWN, state.reason, report.now, track);
@@ -144,6 +160,7 @@ void ContactStateTracker::updateTrack(const CycleReport& report, const Monitored
     return;
   }
   if (!applyInterval(report, interval, &state, track)) return;
+  track->oldest_data = oldestStamp(report, pair);
   const bool goes_on = resumes(state, report.now, *track);
   const std::uint8_t before = track->state.state;
   enter(std::move(state), goes_on ? track->entered_before : report.header.stamp, track);
@@ -231,9 +248,9 @@ bool ContactStateTracker::expire(const ros::Time& now, const std::string& why) {
   const std::lock_guard<std::mutex> lock(mutex_);
   bool any = false;
   for (Track& track : tracks_) {
-    const double age_s = secondsBetween(now, track.state.stamp);
-    const bool is_ahead = age_s < -kMaxAheadS;
-    if (!track.isKnown() || (age_s <= rules_.max_age_s && !is_ahead)) continue;
+    const bool is_ahead = secondsBetween(now, track.state.stamp) < -kMaxAheadS;
+    const bool is_old = secondsBetween(now, track.oldest_data) > rules_.max_age_s;
+    if (!track.isKnown() || (!is_old && !is_ahead)) continue;
     interrupt(ContactState::UNKNOWN, is_ahead ? "time jump: the clock went back" : why, now,
               &track);
     any = true;

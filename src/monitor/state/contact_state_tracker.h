@@ -39,16 +39,17 @@ class ContactStateTracker {
   // - If only the partner of the object that triggered the cycle has no mesh for that stamp, what
   //   is known of the pair stays, because the partner has cycles of its own.
   // - What is known of a later stamp stays, except that a NONE or NEAR becomes PASSED if the pair
-  //   touched in the report's interval.
+  //   touched in the report's interval. If the mesh of the object that triggered the cycle was
+  //   refused or deleted, nothing stays.
   // - With motion: swept, NONE and NEAR also say that the pair did not touch since its last known
   //   state. If the pair was known before but has no time interval, or one that starts later than
   //   that state, that cannot be said, and they become UNKNOWN.
   // States follow each cycle at once. Only events are debounced.
   void update(const CycleReport& report);
 
-  // Makes every known state UNKNOWN, because of `why`, that is older than max_age_s at `now`, and
-  // every one that is more than a second ahead of `now`, because the clock went back. Returns
-  // whether there was one.
+  // Makes every known state UNKNOWN, because of `why`, that used data of either body older than
+  // max_age_s at `now`, and every one that is more than a second ahead of `now`, because the clock
+  // went back. Returns whether there was one.
   bool expire(const ros::Time& now, const std::string& why);
 
   // Returns all pairs in the order of the last report. `stamp` is that of the header; UNKNOWN and
@@ -75,6 +76,7 @@ class ContactStateTracker {
  private:
   struct Track {
     ContactState state;            // as it was last found; UNKNOWN and ALLOWED have no stamp
+    ros::Time oldest_data;         // of a known state: the older stamp of its bodies' data
     std::string whole_a, whole_b;  // the bodies' names, also where the state is of a part
     ros::Time entered;  // stamp at which the state began; of UNKNOWN and ALLOWED, the time
     // For an UNKNOWN state: the state before it (UNKNOWN if there is none), and when it began.

@@ -8,6 +8,8 @@
 #include <boost/make_shared.hpp>
 #include <exception>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <tuple>
 
 #include "monitor/time_difference.h"
@@ -85,6 +87,12 @@ void BagCycles::plan(const BagContents& contents) {
   // Before and after, some link would be UNKNOWN in every cycle.
   const ros::Time first = contents.settled(), last = contents.ended();
   if (last.isZero()) return;
+  constexpr double kMostCycles = 1e7;  // four days at 30 Hz
+  if (secondsBetween(last, first) * played_->rate_hz > kMostCycles) {
+    throw std::runtime_error("from the first moving transform to the last it is " +
+                             std::to_string(secondsBetween(last, first)) +
+                             " s, which are too many cycles: the clock leapt in these bags");
+  }
   std::size_t input = 0;
   while (parameters_.objects[input].name != played_->object) ++input;
   for (std::uint64_t i = 0;; ++i) {

@@ -68,8 +68,9 @@ OutputFile::~OutputFile() {
 void OutputFile::write(std::string_view text) {
   if (stream_ != nullptr) return writeTo(stream_, text);
   AtomicFile atomic(path_);
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(open(atomic.writtenAs()), std::fclose);
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(open(atomic.writtenAs()), std::fclose);
   writeTo(file.get(), text);
+  if (std::fclose(file.release()) != 0) fail();
   atomic.finish();
 }
 

@@ -136,29 +136,30 @@ class GuardNode {
     }
   }
 
-  // Takes a message in the spinner's thread, and wakes run(). The first message that lists a pair
-  // also starts the check of the margins, because only then the pairs are known.
+  // Takes a message in the spinner's thread, and wakes run(). Once a second, a message that lists
+  // pairs also starts the check of their margins, which may change at any time.
   void store(const ContactStates& states) {
-    bool is_first = false;
+    const SteadyTime now = steadyNow();
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      guard_.store(states, ros::Time::now(), steadyNow());
+      guard_.store(states, ros::Time::now(), now);
       has_news_ = true;
-      is_first = !states.states.empty() && !margins_checked_;
-      margins_checked_ = margins_checked_ || is_first;
     }
     news_.notify_one();
-    if (is_first) checkMargins(states);
+    if (states.states.empty() || now < margins_due_) return;
+    margins_due_ = now + std::chrono::seconds(1);
+    checkMargins(states);
   }
 
-  // Compares the monitor's margins with the guard's distances, and warns once. Asks the ROS master
-  // without holding the mutex, because that may take long.
+  // Compares the monitor's margins with the guard's distances, and warns of pairs that are new. The
+  // parameters are cached, so that the ROS master is only asked after they have changed. It is
+  // asked without holding the mutex, because that may take long.
   void checkMargins(const ContactStates& states) {
     XmlRpc::XmlRpcValue tree;
-    ros::param::get(parameters_.monitor, tree);
+    ros::param::getCached(parameters_.monitor, tree);
     const std::string warning = tooSmallMargins(tree, states, parameters_);
-    if (warning.empty()) return;
-    ROS_WARN_STREAM(warning);
+    if (warning == margin_warning_) return;
+    if (!warning.empty()) ROS_WARN_STREAM(warning);
     const std::lock_guard<std::mutex> lock(mutex_);
     margin_warning_ = warning;
   }
@@ -197,6 +198,7 @@ class GuardNode {
 
   std::string told_;  // the reason of the stop that was logged last; empty: no stop
   SteadyTime told_at_ = steadyNow();
+  SteadyTime margins_due_;  // when the spinner's thread looks at the margins again
 
   std::mutex mutex_;  // guards what follows
   std::condition_variable news_;
@@ -204,8 +206,7 @@ class GuardNode {
   Guard guard_;
   GuardOutput output_;
   double nearest_m_ = 0;
-  bool margins_checked_ = false;
-  std::string margin_warning_;
+  std::string margin_warning_;  // only the spinner's thread writes it
 
   ros::Publisher scale_publisher_, stop_publisher_, warning_publisher_;
   diagnostic_updater::Updater updater_;

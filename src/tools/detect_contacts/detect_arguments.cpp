@@ -41,8 +41,7 @@ void addOptions(CommandLine* line, DetectArguments* arguments) {
   line->addPositionals("MESH", &arguments->meshes, true, "Mesh files");
   line->addFlag("--self", &arguments->self, "Also find contacts of every body with itself");
   line->add("--backend", &arguments->backend, "What runs the detection", oneOf(backendNames()));
-  line->add("--device", &arguments->cuda.device, "Of the CUDA devices, which one",
-            inRange(0, 1023));
+  line->add("--device", &arguments->cuda.device, "CUDA device to use", inRange(0, 1023));
   line->addList("--devices", &arguments->cuda.devices,
                 "CUDA devices that share the work on large scenes, in place of --device; each",
                 inRange(0, 1023));
@@ -66,8 +65,9 @@ void addOptions(CommandLine* line, DetectArguments* arguments) {
   line->add("--repeat", &arguments->repeat, "Detect this often, for the times",
             inRange(1, 1000000000));
   line->add("--threads", &options.threads, "Threads of the cpu backend; 0: all cores");
-  line->add("--fuzzifier", &options.fuzzifier, "Of fuzzy c-means, in [1.05, 4]");
-  line->add("--iterations", &options.iterations, "Of fuzzy c-means a refresh, in [0, 100]");
+  line->add("--fuzzifier", &options.fuzzifier, "Fuzzifier of fuzzy c-means, in [1.05, 4]");
+  line->add("--iterations", &options.iterations,
+            "Iterations of fuzzy c-means in a refresh, in [0, 100]");
   line->add("--refresh-period", &options.refresh_period, "Cycles between refreshes");
   line->add("--pairs", &arguments->pairs_file,
             "Write a line 'bodyA triA bodyB triB' for each contact, sorted, here (-: standard "

@@ -13,7 +13,8 @@ constexpr const char* kDescription =
     "Finds the contacts of every deformable mesh in ROS bags, at the mesh's own stamp, by the "
     "rules "
     "of the node contact_monitor, and without missing a mesh. Needs no ROS master. Writes "
-    "frames.csv, links.csv, events.csv, summary.json and report.html. One process evaluates one "
+    "frames.csv, links.csv, events.csv, distances.csv, summary.json and report.html. One process "
+    "evaluates one "
     "recording; evaluate_bags runs many of them side by side.";
 constexpr const char* kFooter =
     "Exit code: 0: passed; 1: the cpu and cuda backends disagree, or an expectation fails; 2: bad "

@@ -58,12 +58,28 @@ SceneOutput::SceneOutput(const SceneObject& object, const std::string& topic,
     }
     return;
   }
-  bag_.emplace(bag_path, rosbag::bagmode::Write);
+  file_.emplace(bag_path);
+  bag_.reset(new rosbag::Bag(file_->writtenAs(), rosbag::bagmode::Write));
   bag_->setCompression(rosbag::compression::BZ2);
   if (robot_xml.empty()) return;
   std_msgs::String description;
   description.data = robot_xml;
   sendTo("robot_description", description, begin);
+}
+
+void SceneOutput::CloseBag::operator()(rosbag::Bag* bag) const noexcept {
+  try {
+    bag->close();
+  } catch (...) {
+    return;
+  }
+  delete bag;
+}
+
+void SceneOutput::finish() {
+  if (!bag_) return;
+  bag_->close();
+  file_->finish();
 }
 
 void SceneOutput::send(const MeshFrame& frame, const ros::Time& stamp) {

@@ -7,9 +7,11 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
+#include "tools/common/output_file.h"
 #include "tools/simulation/scene_object.h"
 
 namespace deformable_contact_monitor {
@@ -23,8 +25,8 @@ namespace deformable_contact_monitor {
 class SceneOutput {
  public:
   // Writes to the bag if its path is not empty, and else publishes. The bag begins with
-  // `robot_xml`, unless that is empty, at the time `begin`. Throws rosbag::BagException if the bag
-  // cannot be written.
+  // `robot_xml`, unless that is empty, at the time `begin`. All functions throw
+  // rosbag::BagException, or std::system_error that names the bag, if it cannot be written.
   SceneOutput(const SceneObject& object, const std::string& topic, const std::string& frame,
               ros::NodeHandle* node, const std::string& bag_path, const std::string& robot_xml,
               const ros::Time& begin);
@@ -33,7 +35,16 @@ class SceneOutput {
   void send(const MeshFrame& frame, const ros::Time& stamp);
   void send(sensor_msgs::JointState joints, const ros::Time& stamp);
 
+  // Completes the bag, which has its name only from then on. Call it after the last message.
+  void finish();
+
  private:
+  // A bag's destructor writes, and ends the program if it cannot. So a bag is closed before, and
+  // one that cannot be closed is not destroyed.
+  struct CloseBag {
+    void operator()(rosbag::Bag* bag) const noexcept;
+  };
+
   template <class Message>
   void sendTo(const std::string& topic, const Message& message, const ros::Time& stamp);
 
@@ -41,8 +52,9 @@ class SceneOutput {
   const std::string topic_, frame_;
   ros::NodeHandle* node_;
   std::map<std::string, ros::Publisher> publishers_;  // by topic
-  std::optional<rosbag::Bag> bag_;
-  ros::Duration period_;           // the expected time between two messages
+  std::optional<AtomicFile> file_;                    // the bag's
+  std::unique_ptr<rosbag::Bag, CloseBag> bag_;        // null: messages are published
+  ros::Duration period_;                              // the expected time between two messages
   std::uint32_t subscribers_ = 0;  // of the object's topic, at the latest message
   ros::Time triangles_sent_;       // stamp of the latest message with triangles; zero: none yet
   std::uint32_t topology_id_ = 0;

@@ -297,6 +297,7 @@ void SoftScene::run() {
     tell(cycle + 1, state);
     if (rate) rate->sleep();
   }
+  output_->finish();
 }
 
 }  // namespace

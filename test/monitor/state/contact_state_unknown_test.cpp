@@ -135,6 +135,40 @@ TEST(ContactStateTrackerTest, whatWasDiscardedStaysUnknownUntilACycleThatBeginsL
   EXPECT_EQ(statesOf(take(&tracker, sample.report)), "aC-");
 }
 
+// Its cycle may be at an older stamp than the known state: the other object of the pair had a cycle
+// meanwhile, or the publisher's clock is ahead and the refused mesh has no stamp.
+TEST(ContactStateTrackerTest, aMeshThatIsGoneIsNotNoContactWhateverItsStamp) {
+  SampleReport sample;
+  ContactStateTracker tracker(rules(1, 1));
+  EXPECT_EQ(statesOf(take(&tracker, sample.report)), "aC-");
+  SampleReport gone;
+  gone.report.header.stamp -= ros::Duration(0.1);
+  gone.report.bodies[2].unknown_because = "TF from 'camera' to 'base' is late";
+  gone.report.result = nullptr;
+  EXPECT_EQ(statesOf(take(&tracker, gone.report)), "aC-") << "of the later stamp, that is known";
+  gone.report.bodies[2].unknown_because = "mesh refused: an index is out of range";
+  gone.report.bodies[2].without_mesh = true;
+  gone.report.bodies[2].triggered = false;
+  EXPECT_EQ(statesOf(take(&tracker, gone.report)), "aC-") << "it is no cycle of the cloth";
+  gone.report.bodies[2].triggered = true;
+  const ContactStates message = take(&tracker, gone.report);
+  EXPECT_EQ(statesOf(message), "a??");
+  EXPECT_EQ(message.states[kBaseCloth].reason, "cloth: mesh refused: an index is out of range");
+}
+
+// Of two objects, one may have stopped while the other one has cycles.
+TEST(ContactStateTrackerTest, whatIsFoundWithAnOldMeshOfThePartnerGrowsOldWithIt) {
+  SampleReport sample;
+  sample.report.bodies[0].kind = BodyKind::kDeformable;
+  sample.report.bodies[0].stamp -= ros::Duration(0.4);
+  ContactStateTracker tracker(rules(1, 1));
+  EXPECT_EQ(statesOf(take(&tracker, sample.report)), "aC-");
+  const ros::Time stamp = sample.report.header.stamp;
+  EXPECT_FALSE(tracker.expire(stamp + ros::Duration(0.1), "old"));
+  EXPECT_TRUE(tracker.expire(stamp + ros::Duration(0.2), "old"));
+  EXPECT_EQ(statesOf(tracker.states(stamp, stamp)), "a?-") << "base and cloth are newer";
+}
+
 // Until the monitor has noticed that the clock went back, states would never become too old.
 TEST(ContactStateTrackerTest, whatIsFarAheadOfTheClockIsNotKnown) {
   SampleReport sample;

@@ -244,6 +244,17 @@ class Verdicts(unittest.TestCase):
         self.assertTrue(verdict.passed, verdict.failure)
         self.assertAlmostEqual(max(verdict.ages_s), 5.1)
 
+    def test_a_state_that_changes_at_its_stamp_is_news(self):
+        """A contact between two stamps is found later, and several meshes may share a stamp."""
+        for state in (PASSED, CONTACT):
+            verdict = contact_test.Judge(contact_test.parse({**PAIR, "state": "none", "hold_s": 1}))
+            verdict.take(message(T0, NONE), 0)
+            verdict.take(message(T0 + 0.5, NONE), 0)
+            verdict.take(message(T0 + 0.5, NONE), 2)  # the same again, which is not old
+            self.assertEqual((verdict.failure, max(verdict.ages_s)), ("", 0))
+            verdict.take(message(T0 + 0.5, state, pairs=3), 0)
+            self.assertRegex(verdict.failure, "^not held: ")
+
     def test_what_becomes_unknown_is_stamped_by_the_clock_and_is_no_time_jump(self):
         for wanted, pattern in (({"state": "none", "hold_s": 2}, "^not held: .* until it was unknown"),
                                 ({"state": "near", "within_s": 1}, "^wrong state: .*unknown 2")):

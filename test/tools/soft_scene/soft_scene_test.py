@@ -2,6 +2,8 @@
 """soft_scene as a command that writes bags: the same bag twice, the demo's motion, bad usage."""
 import os
 import pathlib
+import resource
+import signal
 import subprocess
 import tempfile
 import unittest
@@ -52,6 +54,22 @@ class SoftSceneTest(unittest.TestCase):
                 one = self.bag("one.bag", *words)
                 self.assertTrue(one == self.bag("two.bag", *words))  # no diff of megabytes
                 self.assertFalse(one == self.bag("other.bag", *words, "--seed", "2"))
+
+    def test_a_bag_that_does_not_fit_is_no_bag(self):
+        def limit_files():  # as on a full disk, writing fails
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000))
+
+        for seconds in ("1", "20"):  # fails when the bag is closed, and before
+            with self.subTest(seconds=seconds):
+                words = ["--object", "cloth", "--vertices", "2000", "--seconds", seconds]
+                done = subprocess.run([TOOL, "--bag", self.path("full.bag"), *words],
+                                      stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                      universal_newlines=True, env=ENVIRONMENT, check=False,
+                                      preexec_fn=limit_files)
+                self.assertEqual(done.returncode, 2, done.stderr)
+                self.assertRegex(done.stderr, r"soft_scene: [^\n]+\n\Z")
+                self.assertEqual(os.listdir(self.folder.name), [])
 
     def test_the_demos_arm_lifts_the_cloth(self):
         self.bag("demo.bag", "--object", "cloth", "--vertices", "225", "--scale", "0.6", "--offset",
