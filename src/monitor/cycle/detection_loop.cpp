@@ -81,9 +81,6 @@ void DetectionLoop::lookAtTime() {
   const double back_s = clock_.update(time_.ros());
   if (clock_.isThere() != was_there) list_due_ = SteadyTime();
   if (!clock_.isThere()) dropMeshes();
-  // Transforms from before the clock may have stamps of another one, and keep newer ones out.
-  if (clock_.isThere() && had_no_clock_) sources_.transforms.clear();
-  had_no_clock_ = !clock_.isThere();
   if (back_s > 0) reset("time jump: the clock went back by " + std::to_string(back_s) + " s");
 }
 

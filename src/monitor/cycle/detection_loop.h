@@ -115,7 +115,6 @@ class DetectionLoop {
   SteadyTime robots_look_;                      // when to look for a new one
   bool enabled_ = true;
   std::vector<Wait> deletions_;  // by object, the last one that waited for a new mesh
-  bool had_no_clock_ = false;    // in the latest step
   bool names_checked_ = false;   // of the allowed contacts, against the bodies'
   std::uint64_t cycle_ = 0, epoch_ = 0;
   TransformWarnings transform_warnings_;

@@ -31,21 +31,6 @@ TEST_F(TransformsTest, TheWaitEndsAtTheTimeout) {
   EXPECT_EQ(step(), Lines()) << "once";
 }
 
-// A node that does not wait for /clock sends transforms with the time of day. They would keep those
-// of the simulator out of the buffer.
-TEST_F(TransformsTest, WhatCameBeforeTheClockIsForgotten) {
-  is_simulated_ = true;
-  ros_time_ = ros::Time();
-  step();
-  addTransform(&transforms_, "camera", 1.7e9);
-  stepAfter(10);
-  ros_time_ = ros::Time(50);
-  step();
-  addTransform(&transforms_, "camera", 50);
-  give(0, 50, "camera");
-  EXPECT_EQ(stepAfter(1), Lines{"cycle 50: *cloth@50 cable(no mesh yet)"});
-}
-
 TEST_F(TransformsTest, TheWaitEndsAsSoonAsTheTransformComes) {
   addTransform(&transforms_, "camera", 49.5);
   give(0, 50, "camera");
