@@ -91,7 +91,8 @@ void BagCycles::plan(const BagContents& contents) {
   if (secondsBetween(last, first) * played_->rate_hz > kMostCycles) {
     throw std::runtime_error("from the first moving transform to the last it is " +
                              std::to_string(secondsBetween(last, first)) +
-                             " s, which are too many cycles: the clock leapt in these bags");
+                             " s, which are too many cycles: the clock leapt; evaluate the part "
+                             "before or after that (rosbag filter)");
   }
   std::size_t input = 0;
   while (parameters_.objects[input].name != played_->object) ++input;

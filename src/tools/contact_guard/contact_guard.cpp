@@ -151,8 +151,8 @@ class GuardNode {
     checkMargins(states);
   }
 
-  // Compares the monitor's margins with the guard's distances, and warns of pairs that are new. The
-  // parameters are cached, so that the ROS master is only asked after they have changed. It is
+  // Compares the monitor's margins with the guard's distances, and warns where that has changed.
+  // The parameters are cached, so that the ROS master is only asked after they have changed. It is
   // asked without holding the mutex, because that may take long.
   void checkMargins(const ContactStates& states) {
     XmlRpc::XmlRpcValue tree;

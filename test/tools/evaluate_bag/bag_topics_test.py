@@ -206,6 +206,15 @@ class BagTopics(unittest.TestCase):
         bag = self.bag(cloth(), finger())
         self.assert_refused(bag, "--object", "cloth", says=["recorded on /cloth/mesh", "--name"])
 
+    def test_an_object_is_not_played_for_years(self):
+        """The clock leapt: one frame moves only before that, and another one only after it."""
+        bag = self.path("leap.bag")
+        with rosbag.Bag(bag, "w") as file:
+            for child, first in (("camera", 0), ("finger", 10**10)):
+                for i in range(first, first + CYCLES):
+                    file.write("/tf", transform(i, "base_link", child), stamp_of(i))
+        self.assert_refused(bag, "--object", "cloth", "--vertices", "36", says=["the clock leapt"])
+
     def test_joint_states_on_another_topic(self):
         bag = self.bag(cloth(), ("/robot/joint_states", joints))
         proposed = "give --joint-states /robot/joint_states"
