@@ -18,7 +18,7 @@ OPTIONAL = {"pcl_msgs", "deformable_contact"}  # what a build may do without
 
 def missing_packages(page):
     """The packages that the page's program imports and that are not there."""
-    program = page.files()["publisher.py"]
+    program = page.files().get("publisher.py", "")
     names = re.findall(r"^(?:import|from) (\w+)", program, re.M)
     return {name for name in names if not importlib.util.find_spec(name)}
 
@@ -30,6 +30,8 @@ class MeshPages(PageCase):
         folder = self.folder_of(page)
         # rostest has done what the first two lines do, and a Log does more than the last one.
         _, _, publish, launch, _ = Page(FOLDER / "README.md").commands()
+        if "publisher.cpp" in page.files():
+            publish, = page.commands()
         self.terminal(publish, folder)
         yaml = page.files()["monitor.yaml"]
         (topic,) = re.findall(r"topic: ([^,]+),", yaml)

@@ -12,7 +12,7 @@ import unittest
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 PAGES = SOURCE / "config" / "docs"
-WAIT_S = 60  # of wall time; far longer than anything takes, also on a busy machine
+WAIT_S = 400  # of wall time; far longer than anything takes, also on a busy machine
 FENCE = re.compile(r"```(\w+)\n(.*?)```", re.S)
 USUAL_NAMES = {"python": "publisher.py", "yaml": "monitor.yaml"}  # config/docs/mesh_from/README.md
 
