@@ -11,6 +11,7 @@
 
 #include "monitor/diagnostics/robot_checks.h"
 #include "monitor/messages/contact_messages.h"
+#include "node/checked_subscription.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -54,8 +55,9 @@ RobotSource::RobotSource(const MonitorParameters& parameters, const ros::NodeHan
   if (parameters_.robot_source == RobotSourceKind::kUrdf) {
     use(loadFromDescriptions(srdfs_));
   } else {
-    subscriber_ = private_node.subscribe("robot_link_meshes", 1, &RobotSource::receive, this,
-                                         ros::TransportHints().tcpNoDelay());
+    ros::SubscribeOptions options = checkedSubscription<LinkMeshes>(
+        "robot_link_meshes", 1, [this](const LinkMeshes::ConstPtr& message) { receive(message); });
+    subscriber_ = private_node.subscribe(options);
   }
 }
 

@@ -12,6 +12,8 @@
 #include <thread>
 #include <utility>
 
+#include "node/checked_subscription.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
@@ -40,9 +42,10 @@ StateService::StateService(const MonitorParameters& parameters, QuestionSources 
   topic_node.setCallbackQueue(&topic_queue_);
   service_node.setCallbackQueue(&service_queue_);
   publisher_ = topic_node.advertise<StatesChecked>("states_checked", kMostWaitingQuestions);
-  subscriber_ =
-      topic_node.subscribe("states_to_check", kMostWaitingQuestions, &StateService::receive, this,
-                           ros::TransportHints().tcpNoDelay());
+  ros::SubscribeOptions options = checkedSubscription<StatesToCheck>(
+      "states_to_check", kMostWaitingQuestions,
+      [this](const StatesToCheck::ConstPtr& question) { receive(question); });
+  subscriber_ = topic_node.subscribe(options);
   service_ = service_node.advertiseService("check_states", &StateService::checkStates, this);
   service_spinner_.start();
   topic_spinner_.start();

@@ -19,7 +19,8 @@ from std_msgs.msg import Bool
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "ros"))
 import boxes_scene  # noqa: E402
 from monitor_test_support import (  # noqa: E402
-    PACKAGE, WAIT_S, MeshPublisher, RawMesh, Transforms, grid, mesh_message, wait_until)
+    PACKAGE, WAIT_S, DeformableMesh, MeshPublisher, Transforms, grid, mesh_message, raw_message,
+    wait_until)
 
 PERIOD_S = 1 / 30
 AHEAD = rospy.Duration(0.02)
@@ -51,10 +52,11 @@ class StopLatency(unittest.TestCase):
 
     def send(self, mesh):
         """A mesh as serialized() gives it. Its stamp is taken as late as a publisher can."""
+        message = raw_message(DeformableMesh, mesh)
         self.transforms.send(rospy.Time.now() + AHEAD, boxes_scene.edges())
         stamp = rospy.Time.now()
         struct.pack_into("<II", mesh, 4, stamp.secs, stamp.nsecs)  # after header.seq
-        self.cloth.publisher.publish(RawMesh(bytes(mesh)))
+        self.cloth.publisher.publish(message)
         return stamp
 
     def until_free(self, mesh):

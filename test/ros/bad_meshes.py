@@ -2,8 +2,6 @@
 """Sends no mesh, the same mesh again and again, and bad meshes. The monitor must name what is
 wrong, and no other object may be affected. Two more monitors run: one that lacks the mesh file
 of a link, and one without objects."""
-import io
-import struct
 import sys
 import unittest
 
@@ -16,8 +14,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 import boxes_scene
 from boxes_scene import CLOTH, FAR_CLOTH, SMALL_CLOTH
 from monitor_test_support import (
-    PACKAGE, ContactState, Log, MeshPublisher, Monitor, RawMesh, Transforms, mesh_message, now,
-    pairs_of, peak_memory_mib, touching, until_frames_are_seen)
+    PACKAGE, ContactState, Log, MeshPublisher, Monitor, Transforms, mesh_message, now,
+    pairs_of, peak_memory_mib, touching, until_frames_are_seen, with_length)
 
 UNKNOWN, CONTACT, NONE = ContactState.UNKNOWN, ContactState.CONTACT, ContactState.NONE
 BOXES = ("palm", "finger")
@@ -195,13 +193,8 @@ class BadMeshes(unittest.TestCase):
         cls = type(self)
         cls.stamp = now(after=cls.stamp)
         message = mesh_message("cloth", cls.stamp, boxes_scene.REFERENCE_FRAME, SMALL_CLOTH)
-        whole = io.BytesIO()
-        message.serialize(whole)
-        length_at = whole.getvalue().index(struct.pack("<I", SMALL_CLOTH[0].size))
         for claim in (750000000, 0x40000001):  # 3 GB, and what is 4 bytes in 32 bits
-            data = bytearray(whole.getvalue())
-            struct.pack_into("<I", data, length_at, claim)
-            self.cloth.publisher.publish(RawMesh(bytes(data)))
+            self.cloth.publisher.publish(with_length(message, SMALL_CLOTH[0].size, claim))
             contacts = self.monitor.contacts.wait("a refusal", lambda m: any(
                 str(4 * claim) in text for text in m.skipped))
             self.assertIn("vertices claims", self.reason(contacts, "cloth"))

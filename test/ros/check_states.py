@@ -11,6 +11,7 @@ import unittest
 import numpy as np
 import rospy
 import rostest
+from rosgraph_msgs.msg import Log as ConsoleLine
 from std_srvs.srv import SetBool
 
 from arm_states import JOINTS, LIMITS, REFERENCE_FRAME, TOOL_EDGE, UPRIGHT_ARM, Arm
@@ -18,8 +19,8 @@ from deformable_contact_monitor.msg import AllowedContact, StatesChecked, States
 from deformable_contact_monitor.srv import AttachObject, CheckStates, SetAllowedContacts
 from mesh_distance import mesh_distance
 from monitor_test_support import (
-    PACKAGE, WAIT_S, ContactState, Log, MeshPublisher, Monitor, grid, now, oracle_pairs, touching,
-    wait_until)
+    PACKAGE, WAIT_S, ContactState, Log, MeshPublisher, Monitor, grid, now, oracle_pairs,
+    peak_memory_mib, touching, wait_until, with_length)
 from pose_meshes import posed
 
 NONE, NEAR, CONTACT, UNKNOWN = (
@@ -260,10 +261,16 @@ class States(unittest.TestCase):
             enable(True)
         wait_until(lambda: self.check([FREE]).state == bytes([NONE]), "a fresh cloth")
 
-    def test_the_stream_answers_in_order(self):
-        answers = Log("/contact_monitor/states_checked", StatesChecked)
+    @staticmethod
+    def stream():
+        """Of one queue size in all tests: rospy keeps that of the topic's first publisher."""
         questions = rospy.Publisher("/contact_monitor/states_to_check", StatesToCheck, queue_size=99)
         wait_until(lambda: questions.get_num_connections() > 0, "the monitor")
+        return questions
+
+    def test_the_stream_answers_in_order(self):
+        answers = Log("/contact_monitor/states_checked", StatesChecked)
+        questions = self.stream()
         batches = [self.randomly(5, seed) for seed in range(20)]
         for i, states in enumerate(batches):
             questions.publish(StatesToCheck(
@@ -279,6 +286,18 @@ class States(unittest.TestCase):
             expected = self.check(states, margin=0.1)
             self.assertEqual((list(answer.state), list(answer.distance), answer.link),
                              (list(expected.state), list(expected.distance), expected.link))
+
+    def test_a_damaged_question_costs_nothing(self):
+        console = Log("/rosout", ConsoleLine)
+        answers = Log("/contact_monitor/states_checked", StatesChecked)
+        questions = self.stream()
+        question = StatesToCheck(id=1, joint_names=JOINTS, positions=FREE + FREE)
+        before_mib = peak_memory_mib("/contact_monitor")
+        questions.publish(with_length(question, 2 * len(FREE), 2**28))
+        console.wait("the error", lambda m: "positions claims 2147483648 bytes" in m.msg)
+        questions.publish(StatesToCheck(id=2, joint_names=JOINTS, positions=FREE))
+        self.assertEqual(answers.wait("the next answer").id, 2)
+        self.assertLess(peak_memory_mib("/contact_monitor"), before_mib + 200)
 
 
 if __name__ == "__main__":

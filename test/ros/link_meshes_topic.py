@@ -8,9 +8,12 @@ import numpy as np
 import rospy
 import rostest
 
+from rosgraph_msgs.msg import Log as ConsoleLine
+
 from deformable_contact_monitor.msg import ContactEvent, LinkMesh, LinkMeshes
 from monitor_test_support import (
-    PACKAGE, ContactState, Monitor, now, pairs_of, touching, wait_until)
+    PACKAGE, ContactState, Log, Monitor, now, pairs_of, peak_memory_mib, touching, wait_until,
+    with_length)
 from panda_scene import PandaScene
 
 SHIRT_AT = (0.35, 0.05, 0.5)  # [m]
@@ -34,11 +37,15 @@ class LinkMeshesTopic(unittest.TestCase):
 
     def send(self, meshes):
         """Sends the robot."""
+        self.publisher.publish(self.message_of(meshes))
+
+    @staticmethod
+    def message_of(meshes):
         message = LinkMeshes()
         for link, (vertices, triangles) in meshes.items():
             message.meshes.append(LinkMesh(link=link, source="test", vertices=vertices.flatten(),
                                            triangles=triangles.flatten()))
-        self.publisher.publish(message)
+        return message
 
     def wait_for_robot(self, since):
         self.robot_log.wait("the new robot on ~robot_meshes", since=since)
@@ -103,6 +110,17 @@ class LinkMeshesTopic(unittest.TestCase):
         self.assertEqual([text.split(":")[0] for text in contacts.skipped], ["panda_hand"])
         self.assertFalse(contacts.complete)
         del good["panda_hand"]
+        self.assertEqual(pairs_of(contacts), self.scene.expected(stamp, 7, good))
+
+        # The bytes are damaged: the robot stays as it was.
+        console = Log("/rosout", ConsoleLine)
+        before_mib = peak_memory_mib(self.monitor.name)
+        last, _ = list(good.values())[-1]
+        self.publisher.publish(with_length(self.message_of(good), last.size, 2**29))
+        console.wait("the error", lambda m: "meshes.vertices claims 2147483648 bytes" in m.msg)
+        self.assertLess(peak_memory_mib(self.monitor.name), before_mib + 200)
+        stamp, contacts, _ = self.cycle()
+        self.assertEqual([text.split(":")[0] for text in contacts.skipped], ["panda_hand"])
         self.assertEqual(pairs_of(contacts), self.scene.expected(stamp, 7, good))
 
     def ends(self):

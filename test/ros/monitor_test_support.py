@@ -1,6 +1,8 @@
 """Shared by the rostests: logs of the monitor's output, meshes and transforms to send, and the
 oracle's contacts. Every wait has a time limit."""
+import io
 import os
+import struct
 import subprocess
 import tempfile
 import threading
@@ -183,15 +185,21 @@ class MeshPublisher:
         self.publisher.publish(mesh_message(self.name, stamp, frame, mesh, **arguments))
 
 
-class RawMesh(DeformableMesh):
-    """Sends any bytes as a DeformableMesh."""
+def raw_message(message_type, data):
+    """A message of that type that is sent as these bytes."""
+    class Raw(message_type):
+        def serialize(self, buff):
+            buff.write(data)
+    return Raw()
 
-    def __init__(self, data):
-        DeformableMesh.__init__(self)
-        self.data = data
 
-    def serialize(self, buff):
-        buff.write(self.data)
+def with_length(message, length, claim):
+    """The message, sent with the last length of that value changed to what it claims to be."""
+    whole = io.BytesIO()
+    message.serialize(whole)
+    data = bytearray(whole.getvalue())
+    struct.pack_into("<I", data, data.rindex(struct.pack("<I", length)), claim)
+    return raw_message(type(message), bytes(data))
 
 
 def peak_memory_mib(node):

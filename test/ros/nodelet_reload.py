@@ -32,7 +32,7 @@ import boxes_scene
 from boxes_scene import CLOTH, REFERENCE_FRAME
 from deformable_contact_monitor.srv import GetContacts
 from monitor_test_support import (
-    PACKAGE, WAIT_S, ContactState, ContactStates, DeformableMesh, Log, RawMesh, mesh_message,
+    PACKAGE, WAIT_S, ContactState, ContactStates, DeformableMesh, Log, mesh_message, raw_message,
     to_mesh, transform_message)
 
 LOADS = int(os.environ.get("DCM_NODELET_RELOADS", "8"))
@@ -46,7 +46,7 @@ def heavy_message():
     mesh = to_mesh(np.zeros(3000000), [])
     data = io.BytesIO()
     mesh_message("another", rospy.Time(1), REFERENCE_FRAME, mesh).serialize(data)
-    return RawMesh(data.getvalue())
+    return raw_message(DeformableMesh, data.getvalue())
 
 
 class Load:

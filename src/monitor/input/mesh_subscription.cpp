@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "monitor/input/adapter_choice.h"
-#include "monitor/input/mesh_bytes.h"
+#include "monitor/input/message_bytes.h"
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {

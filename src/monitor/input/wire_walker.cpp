@@ -26,6 +26,10 @@ void WireWalker::array(const char* field, std::size_t item_bytes) {
   advance(items * item_bytes);
 }
 
+void WireWalker::texts(const char* field) {
+  for (std::uint32_t left = count(field, sizeof(std::uint32_t)); left > 0; --left) array(field, 1);
+}
+
 // The product is computed in 64 bits. In 32 bits it can wrap to a small number, and roscpp's own
 // check is misled in this way.
 std::uint32_t WireWalker::count(const char* field, std::size_t least_bytes) {

@@ -1,7 +1,7 @@
 // A walker over a serialized ROS message: it checks the message's length fields, and allocates
 // nothing. roscpp's own reader reserves what an array claims to hold before it looks whether those
-// bytes were sent: a message of 5 KB can make it reserve 16 GB. So meshes from topics, and all that
-// is read from bags, pass this walker before roscpp reads them.
+// bytes were sent: a message of 5 KB can make it reserve 16 GB. So meshes, link meshes and
+// questions from topics, and all that is read from bags, pass this walker before roscpp reads them.
 #pragma once
 
 #include <cstddef>
@@ -24,6 +24,8 @@ class WireWalker {
   void skip(const char* field, std::size_t bytes);
   // Skips an array, or a string (items of 1 byte), with its length.
   void array(const char* field, std::size_t item_bytes);
+  // Skips an array of strings.
+  void texts(const char* field);
   // Reads the length of an array whose items have different sizes; the caller walks over the items.
   // Fails if fewer than `least_bytes` for each item are left, which bounds the caller's loop.
   std::uint32_t count(const char* field, std::size_t least_bytes);

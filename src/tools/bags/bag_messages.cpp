@@ -3,16 +3,13 @@
 
 #include <boost/make_shared.hpp>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <stdexcept>
-#include <type_traits>
 #include <utility>
 
 #include "monitor/input/adapter_choice.h"
-#include "monitor/input/mesh_bytes.h"
 #include "monitor/input/mesh_subscription.h"
-#include "monitor/input/wire_walker.h"
+#include "monitor/input/message_bytes.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -25,55 +22,6 @@ const char* typeOf() {
   return ros::message_traits::DataType<M>::value();
 }
 
-constexpr std::size_t kWord = sizeof(std::uint32_t);
-
-// The overloads walk over the fields of one message type each; the second argument only selects it.
-void walk(WireWalker* walker, const LinkMeshes& /*as*/) {
-  walker->header();
-  for (std::uint32_t left = walker->count("meshes", 4 * kWord); left > 0; --left) {
-    walker->array("meshes.link", 1);
-    walker->array("meshes.source", 1);
-    walker->array("meshes.vertices", kWord);
-    walker->array("meshes.triangles", kWord);
-  }
-}
-
-void walk(WireWalker* walker, const tf2_msgs::TFMessage& /*as*/) {
-  constexpr std::size_t kLeastBytes = 5 * kWord + 7 * sizeof(double);
-  for (std::uint32_t left = walker->count("transforms", kLeastBytes); left > 0; --left) {
-    walker->header();
-    walker->array("transforms.child_frame_id", 1);
-    walker->skip("transforms.transform", 7 * sizeof(double));
-  }
-}
-
-void walk(WireWalker* walker, const std_msgs::String& /*as*/) { walker->array("data", 1); }
-
-void walk(WireWalker* walker, const sensor_msgs::JointState& /*as*/) {
-  walker->header();
-  for (std::uint32_t left = walker->count("name", kWord); left > 0; --left) {
-    walker->array("name", 1);
-  }
-  for (const char* field : {"position", "velocity", "effort"}) {
-    walker->array(field, sizeof(double));
-  }
-}
-
-// Says why the bytes are not exactly one message of the type M; empty: they are.
-template <typename M>
-std::string problemOf(const std::vector<std::uint8_t>& bytes) {
-  if constexpr (std::is_same_v<M, LinkMeshes> || std::is_same_v<M, tf2_msgs::TFMessage> ||
-                std::is_same_v<M, std_msgs::String> || std::is_same_v<M, sensor_msgs::JointState>) {
-    WireWalker walker(bytes.data(), bytes.size());
-    walk(&walker, M());
-    if (!walker.problem().empty() || walker.left() == 0) return walker.problem();
-    return std::to_string(walker.left()) + " bytes follow its fields";
-  } else {
-    return validateMeshBytes<M>(bytes.data(), bytes.size(),
-                                std::numeric_limits<std::size_t>::max());
-  }
-}
-
 // Throws std::runtime_error unless the bytes are exactly one message of the type M.
 template <typename M>
 void check(const BagMessage& message) {
@@ -83,7 +31,7 @@ void check(const BagMessage& message) {
     throw std::runtime_error(message.topic + ": another version of " +
                              (is_old ? kOldTransforms : typeOf<M>()));
   }
-  const std::string why = problemOf<M>(message.bytes);
+  const std::string why = validateBytes<M>(message.bytes.data(), message.bytes.size());
   if (!why.empty()) throw std::runtime_error(message.topic + ": a message is damaged: " + why);
 }
 

@@ -130,7 +130,7 @@ TEST_F(MeshSubscriptionTest, EveryCutIsRefusedAndSoIsWhatFollows) {
   }
   Bytes longer = whole;
   longer.push_back(0);
-  EXPECT_EQ(arrive(longer).problem, "1 bytes follow the mesh");
+  EXPECT_EQ(arrive(longer).problem, "1 bytes follow the message");
 }
 
 TEST_F(MeshSubscriptionTest, ALargeMeshIsRefusedOnBothWays) {

@@ -1,5 +1,5 @@
 // Tests of the check of a message's bytes: of valid ones, and of bytes that only claim to be one.
-#include "monitor/input/mesh_bytes.h"
+#include "monitor/input/message_bytes.h"
 
 #include <gtest/gtest.h>
 
@@ -43,11 +43,32 @@ void make(const TriangleMesh& mesh, pcl_msgs::PolygonMesh* message) {
   *message = asPolygonMesh(mesh);
 }
 #endif
+void make(const TriangleMesh& mesh, LinkMeshes* message) {
+  message->meshes.resize(2);
+  message->meshes[0].link = "palm";
+  message->meshes[0].source = "a test";
+  message->meshes[1].vertices = mesh.vertices;
+  message->meshes[1].triangles = mesh.triangles;
+}
+void make(const TriangleMesh& mesh, StatesToCheck* message) {
+  message->joint_names = {"elbow", "wrist"};
+  message->positions.assign(mesh.vertices.begin(), mesh.vertices.end());
+  message->objects = {"cloth"};
+}
+void make(const TriangleMesh& /*mesh*/, tf2_msgs::TFMessage* message) {
+  message->transforms.resize(2);
+  message->transforms[0].header.frame_id = "base";
+  message->transforms[1].child_frame_id = "palm";
+}
+void make(const TriangleMesh& mesh, sensor_msgs::JointState* message) {
+  message->name = {"elbow", "wrist"};
+  message->position.assign(mesh.vertices.begin(), mesh.vertices.end());
+}
 
 template <typename M>
-class MeshBytes : public ::testing::Test {
+class MessageBytes : public ::testing::Test {
  protected:
-  MeshBytes() { make({{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, {0, 1, 2, 1, 3, 2}}, &message_); }
+  MessageBytes() { make({{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0}, {0, 1, 2, 1, 3, 2}}, &message_); }
 
   static std::string why(const Bytes& bytes) {
     return validateMeshBytes<M>(bytes.data(), bytes.size(), kMaxBytes);
@@ -75,10 +96,11 @@ using Messages = ::testing::Types<DeformableMesh, shape_msgs::Mesh, visualizatio
 #ifdef DCM_HAS_NAV_MSGS
                                   nav_msgs::Path,
 #endif
-                                  geometry_msgs::PoseArray, sensor_msgs::PointCloud2>;
-TYPED_TEST_SUITE(MeshBytes, Messages);
+                                  geometry_msgs::PoseArray, sensor_msgs::PointCloud2, LinkMeshes,
+                                  StatesToCheck, tf2_msgs::TFMessage, sensor_msgs::JointState>;
+TYPED_TEST_SUITE(MessageBytes, Messages);
 
-TYPED_TEST(MeshBytes, AMessagePasses) {
+TYPED_TEST(MessageBytes, AMessagePasses) {
   EXPECT_EQ(this->why(serialized(this->message_)), "");
   EXPECT_TRUE(this->passesRightly(serialized(this->message_)));
   EXPECT_EQ(this->why(serialized(TypeParam())), "") << "an empty one is a message";
@@ -95,18 +117,18 @@ TEST(PolygonMeshBytes, EmptyPolygonsAreRefusedBeforeTheyAreRead) {
 }
 #endif
 
-TYPED_TEST(MeshBytes, EveryCutIsRefusedAndSoIsWhatFollows) {
+TYPED_TEST(MessageBytes, EveryCutIsRefusedAndSoIsWhatFollows) {
   const Bytes whole = serialized(this->message_);
   for (std::size_t size = 0; size < whole.size(); ++size) {
     EXPECT_NE(this->why(Bytes(whole.begin(), whole.begin() + size)), "") << size;
   }
   Bytes longer = whole;
   longer.push_back(0);
-  EXPECT_EQ(this->why(longer), "1 bytes follow the mesh");
+  EXPECT_EQ(this->why(longer), "1 bytes follow the message");
 }
 
 // Some of these lengths wrap to few bytes in 32 bits, and roscpp's own check does not see that.
-TYPED_TEST(MeshBytes, AClaimAnywhereIsRefusedOrHarmless) {
+TYPED_TEST(MessageBytes, AClaimAnywhereIsRefusedOrHarmless) {
   const Bytes whole = serialized(this->message_);
   int refused = 0;
   for (std::size_t at = 0; at + 4 <= whole.size(); ++at) {
@@ -120,7 +142,7 @@ TYPED_TEST(MeshBytes, AClaimAnywhereIsRefusedOrHarmless) {
   EXPECT_GE(refused, 2 * 7) << "there are two lengths at least";
 }
 
-TYPED_TEST(MeshBytes, WhatPassesIsWhatRoscppReads) {
+TYPED_TEST(MessageBytes, WhatPassesIsWhatRoscppReads) {
   std::mt19937 random(5);
   const Bytes good = serialized(this->message_);
   int passed = 0;
@@ -133,7 +155,7 @@ TYPED_TEST(MeshBytes, WhatPassesIsWhatRoscppReads) {
   EXPECT_GT(passed, 5000);
 }
 
-TYPED_TEST(MeshBytes, AMessageOfTheLimitPassesAndALongerOneDoesNot) {
+TYPED_TEST(MessageBytes, AMessageOfTheLimitPassesAndALongerOneDoesNot) {
   const Bytes bytes = serialized(this->message_);
   EXPECT_EQ(validateMeshBytes<TypeParam>(bytes.data(), bytes.size(), bytes.size()), "");
   const std::string why =
@@ -142,7 +164,7 @@ TYPED_TEST(MeshBytes, AMessageOfTheLimitPassesAndALongerOneDoesNot) {
 }
 
 // A serialized message is a little longer than its arrays, as it has numbers as well.
-TYPED_TEST(MeshBytes, TheArraysOfAMessageAreCounted) {
+TYPED_TEST(MessageBytes, TheArraysOfAMessageAreCounted) {
   const std::size_t count = byteCount(this->message_), whole = serialized(this->message_).size();
   EXPECT_LE(count, whole);
   EXPECT_GE(count + 200, whole);

@@ -1,6 +1,6 @@
-// Checks the bytes and the size of messages that carry a mesh. Each walkOver() follows the
-// definition of its message type, field by field.
-#include "monitor/input/mesh_bytes.h"
+// Checks the bytes of messages. Each walkOver() follows the definition of its message type, field
+// by field.
+#include "monitor/input/message_bytes.h"
 
 #include "monitor/input/wire_walker.h"
 
@@ -11,6 +11,7 @@ constexpr std::size_t kWord = sizeof(std::uint32_t);
 constexpr std::size_t kPointBytes = 3 * sizeof(double);
 constexpr std::size_t kPoseBytes = 7 * sizeof(double);
 constexpr std::size_t kLeastStampedPoseBytes = 4 * kWord + kPoseBytes;  // with an empty frame
+constexpr std::size_t kLeastTransformBytes = kLeastStampedPoseBytes + kWord;
 constexpr std::size_t kColorBytes = 4 * sizeof(float);
 constexpr std::size_t kLeastFieldBytes = 3 * kWord + 1;  // a PointField with an empty name
 
@@ -95,6 +96,40 @@ void walkOver(const pcl_msgs::PolygonMesh* /*type*/, WireWalker* walk) {
 }
 #endif
 
+void walkOver(const LinkMeshes* /*type*/, WireWalker* walk) {
+  walk->header();
+  for (std::uint32_t left = walk->count("meshes", 4 * kWord); left > 0; --left) {
+    walk->array("meshes.link", 1);
+    walk->array("meshes.source", 1);
+    walk->array("meshes.vertices", kWord);
+    walk->array("meshes.triangles", kWord);
+  }
+}
+
+void walkOver(const StatesToCheck* /*type*/, WireWalker* walk) {
+  walk->skip("id", 2 * kWord);
+  walk->texts("joint_names");
+  walk->array("positions", sizeof(double));
+  walk->texts("objects");
+  walk->skip("margin, first_only and max_time", 3 * kWord + 1);
+}
+
+void walkOver(const tf2_msgs::TFMessage* /*type*/, WireWalker* walk) {
+  for (std::uint32_t left = walk->count("transforms", kLeastTransformBytes); left > 0; --left) {
+    walk->header();
+    walk->array("transforms.child_frame_id", 1);
+    walk->skip("transforms.transform", kPoseBytes);
+  }
+}
+
+void walkOver(const std_msgs::String* /*type*/, WireWalker* walk) { walk->array("data", 1); }
+
+void walkOver(const sensor_msgs::JointState* /*type*/, WireWalker* walk) {
+  walk->header();
+  walk->texts("name");
+  for (const char* field : {"position", "velocity", "effort"}) walk->array(field, sizeof(double));
+}
+
 }  // namespace
 
 // The limit is a parameter, so the text names it.
@@ -114,33 +149,30 @@ ros::Time stampIn(const std::uint8_t* bytes, std::size_t size) {
 }
 
 template <typename M>
-std::string validateMeshBytes(const std::uint8_t* bytes, std::size_t size, std::size_t max_bytes) {
+std::string validateBytes(const std::uint8_t* bytes, std::size_t size) {
   WireWalker walk(bytes, size);
   walkOver(static_cast<const M*>(nullptr), &walk);
-  if (!walk.problem().empty()) return walk.problem();
-  if (walk.left() > 0) return std::to_string(walk.left()) + " bytes follow the mesh";
-  return meshSizeProblem(size, max_bytes);
+  if (!walk.problem().empty() || walk.left() == 0) return walk.problem();
+  return std::to_string(walk.left()) + " bytes follow the message";
 }
 
-template std::string validateMeshBytes<DeformableMesh>(const std::uint8_t*, std::size_t,
-                                                       std::size_t);
-template std::string validateMeshBytes<shape_msgs::Mesh>(const std::uint8_t*, std::size_t,
-                                                         std::size_t);
-template std::string validateMeshBytes<visualization_msgs::Marker>(const std::uint8_t*, std::size_t,
-                                                                   std::size_t);
-template std::string validateMeshBytes<visualization_msgs::MarkerArray>(const std::uint8_t*,
-                                                                        std::size_t, std::size_t);
-template std::string validateMeshBytes<sensor_msgs::PointCloud2>(const std::uint8_t*, std::size_t,
-                                                                 std::size_t);
-template std::string validateMeshBytes<geometry_msgs::PoseArray>(const std::uint8_t*, std::size_t,
-                                                                 std::size_t);
+template std::string validateBytes<DeformableMesh>(const std::uint8_t*, std::size_t);
+template std::string validateBytes<LinkMeshes>(const std::uint8_t*, std::size_t);
+template std::string validateBytes<StatesToCheck>(const std::uint8_t*, std::size_t);
+template std::string validateBytes<geometry_msgs::PoseArray>(const std::uint8_t*, std::size_t);
+template std::string validateBytes<sensor_msgs::JointState>(const std::uint8_t*, std::size_t);
+template std::string validateBytes<sensor_msgs::PointCloud2>(const std::uint8_t*, std::size_t);
+template std::string validateBytes<shape_msgs::Mesh>(const std::uint8_t*, std::size_t);
+template std::string validateBytes<std_msgs::String>(const std::uint8_t*, std::size_t);
+template std::string validateBytes<tf2_msgs::TFMessage>(const std::uint8_t*, std::size_t);
+template std::string validateBytes<visualization_msgs::Marker>(const std::uint8_t*, std::size_t);
+template std::string validateBytes<visualization_msgs::MarkerArray>(const std::uint8_t*,
+                                                                    std::size_t);
 #ifdef DCM_HAS_NAV_MSGS
-template std::string validateMeshBytes<nav_msgs::Path>(const std::uint8_t*, std::size_t,
-                                                       std::size_t);
+template std::string validateBytes<nav_msgs::Path>(const std::uint8_t*, std::size_t);
 #endif
 #ifdef DCM_HAS_PCL_MSGS
-template std::string validateMeshBytes<pcl_msgs::PolygonMesh>(const std::uint8_t*, std::size_t,
-                                                              std::size_t);
+template std::string validateBytes<pcl_msgs::PolygonMesh>(const std::uint8_t*, std::size_t);
 #endif
 
 }  // namespace deformable_contact_monitor

@@ -1,12 +1,17 @@
-// Checks the bytes and the size of messages that carry a mesh, before roscpp reads them.
+// Checks the bytes of messages before roscpp reads them, and the size of those that carry a mesh.
 #pragma once
 
 #include <deformable_contact_monitor/DeformableMesh.h>
+#include <deformable_contact_monitor/LinkMeshes.h>
+#include <deformable_contact_monitor/StatesToCheck.h>
 #include <geometry_msgs/PoseArray.h>
 #include <ros/message_traits.h>
 #include <ros/serialization.h>
+#include <sensor_msgs/JointState.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <shape_msgs/Mesh.h>
+#include <std_msgs/String.h>
+#include <tf2_msgs/TFMessage.h>
 #include <visualization_msgs/Marker.h>
 #include <visualization_msgs/MarkerArray.h>
 
@@ -19,14 +24,21 @@
 
 namespace deformable_contact_monitor {
 
-// Returns why `size` bytes are not exactly one serialized M of at most `max_bytes`; empty: they
-// are. Allocates nothing for what the message claims to hold. M is one of the types whose headers
-// are included here. Any thread.
+// Returns why `size` bytes are not exactly one serialized M; empty: they are. Allocates nothing for
+// what the message claims to hold. M is one of the types whose headers are included here. Any
+// thread.
 template <typename M>
-std::string validateMeshBytes(const std::uint8_t* bytes, std::size_t size, std::size_t max_bytes);
+std::string validateBytes(const std::uint8_t* bytes, std::size_t size);
 
 // Returns why a mesh of that many bytes is too large; empty: it is not.
 std::string meshSizeProblem(std::uint64_t bytes, std::size_t max_bytes);
+
+// The same for bytes that must be an M, and a mesh of at most `max_bytes`.
+template <typename M>
+std::string validateMeshBytes(const std::uint8_t* bytes, std::size_t size, std::size_t max_bytes) {
+  const std::string problem = validateBytes<M>(bytes, size);
+  return problem.empty() ? meshSizeProblem(size, max_bytes) : problem;
+}
 
 // Adds up the bytes of the fields that a message's serializer hands to it. It has 64 bits, unlike
 // roscpp's own count, which wraps for a message too large to be sent.
