@@ -248,13 +248,14 @@ ros::Time BagContents::ended() const {
 }
 
 bool BagContents::isAtEdge(const ros::Time& stamp) const {
-  constexpr double kLongestStartS = 1;
+  constexpr double kLongestStartS = 1, kLongestEndS = 1;
   if (moving.empty() || meshes.empty() || !jumps.all().empty()) return false;
   if (stamp < settled() && secondsBetween(stamp, meshes.front().stamp) <= kLongestStartS) {
     return true;
   }
-  return std::all_of(moving.begin(), moving.end(),
-                     [&stamp](const auto& frame) { return frame.second.last < stamp; });
+  ros::Time end;
+  for (const auto& [frame, span] : moving) end = std::max(end, span.last);
+  return end < stamp && secondsBetween(stamp, end) <= kLongestEndS;
 }
 
 // Fixed joints become static transforms. Frames of moving joints count as known while their joint

@@ -113,6 +113,10 @@ std::string BagCycles::run(BagReader* reader, const std::function<void(CycleRepo
   std::string problem = reader->read([&](const BagMessage& message) {
     const std::size_t part = contents_.jumps.partAt(message.received);
     if (part != part_) startPart(part, visit);
+    // First the cycles that wait for nothing more: after a gap in the recording, this message's
+    // transforms may make the buffer drop those that they need.
+    received_ = std::max(received_, message.received);
+    release(visit);
     take(message);
     release(visit);
   });
@@ -127,7 +131,6 @@ void BagCycles::take(const BagMessage& message) {
        changes_.erase(changes_.begin())) {
     postpone(*changes_.begin());
   }
-  received_ = std::max(received_, message.received);
   if (isMesh(message)) {
     const std::uint64_t number = meshes_read_++;
     if (input_of_topic_.count(message.topic) > 0) held_[number] = message;

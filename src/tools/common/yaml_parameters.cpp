@@ -58,6 +58,12 @@ void fill(const YAML::Node& node, int depth, Size* size, XmlRpc::XmlRpcValue* va
     case YAML::NodeType::Map:
       for (const auto& entry : node) {
         if (!entry.first.IsScalar()) throw YAML::ParserException(node.Mark(), "a key is no text");
+        // rosparam merges; yaml-cpp does not, and the values would be missing without a word.
+        if (entry.first.Scalar() == "<<") {
+          throw YAML::ParserException(node.Mark(),
+                                      "merge keys (<<) are not supported here; "
+                                      "write the values where they belong");
+        }
         fill(entry.second, depth + 1, size, &(*value)[entry.first.Scalar()]);
       }
       break;

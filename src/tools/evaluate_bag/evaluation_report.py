@@ -120,7 +120,8 @@ def plot_timeline(links, run, start):
     axes.set_yticks(range(len(shown)))
     axes.set_yticklabels([" / ".join(bodies) for bodies, _ in shown], fontsize=8)
     axes.set_xlabel("time since the first cycle [s]")
-    axes.set_xlim(0, max(float(s["to"]) for of in rows.values() for s in of) - start + .01)
+    ends = [float(s[end]) - start for of in rows.values() for s in of for end in ("from", "to")]
+    axes.set_xlim(min(0, *ends), max(ends) + .01)  # before 0: the clock went back
     axes.set_ylim(len(shown) - .5, -.5)
     axes.grid(alpha=.3, axis="x")
     handles = [plt.Rectangle((0, 0), 1, 1, color=color) for color in COLORS.values()]

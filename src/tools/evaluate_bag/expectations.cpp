@@ -133,11 +133,22 @@ ExpectationJudge::ExpectationJudge(std::vector<Expectation> expectations) {
   }
 }
 
-// The first cycle's stamp is the zero of all times.
-void ExpectationJudge::look(const ContactStates& states, bool at_edge) {
-  if (!started_) start_ = states.header.stamp;
+// Returns the time since the first cycle [s]. It never falls: where the clock goes back, it goes on
+// from there.
+double ExpectationJudge::timeOf(const ros::Time& stamp) {
+  constexpr double kJumpS = 1;  // less is cycles that have come out of their order
+  if (!started_) start_ = stamp;
   started_ = true;
-  const double since_s = secondsBetween(states.header.stamp, start_);
+  if (start_s_ + secondsBetween(stamp, start_) < last_s_ - kJumpS) {
+    start_ = stamp;
+    start_s_ = last_s_;
+  }
+  last_s_ = std::max(last_s_, start_s_ + secondsBetween(stamp, start_));
+  return last_s_;
+}
+
+void ExpectationJudge::look(const ContactStates& states, bool at_edge) {
+  const double since_s = timeOf(states.header.stamp);
   bool is_judged = true;
   for (Record& record : records_) {
     const Expectation& e = record.expectation;

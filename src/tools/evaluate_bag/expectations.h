@@ -89,6 +89,7 @@ class ExpectationJudge {
     double least_at_s = 0;
   };
 
+  double timeOf(const ros::Time& stamp);
   // Checks one expectation at a time after the first cycle [s].
   void look(const ContactStates& states, double since_s, Record* record) const;
   // Does the same for one with keeps_m. `state` is null if the pair is not monitored.
@@ -97,7 +98,8 @@ class ExpectationJudge {
 
   std::vector<Record> records_;
   std::uint64_t unjudged_ = 0;
-  ros::Time start_;
+  ros::Time start_;  // where the clock began, at the start or when it last went back
+  double start_s_ = 0, last_s_ = 0;
   bool started_ = false;
 };
 

@@ -343,7 +343,7 @@ int run(const TradeArguments& arguments) {
     settings.write(settingsCsv(results));
     links.write(linksCsv(results, *frames));
     summary.write(summaryJson(arguments, results, *frames));
-    if (config) config->write(configYaml(arguments, results, *frames));
+    if (config && results.chosen) config->write(configYaml(arguments, results, *frames));
     drawPlots(arguments, "plot_trade.py", progress);
   });
   if (results.exact.bodies.empty()) note("no frame has a contact, so recall says nothing");

@@ -313,10 +313,10 @@ int main(int argc, char** argv) {
     describe(&line, &settings);
     if (!line.parse(dcm::wordsForNode(argc, argv))) return 0;
     dcm::check(settings);
+    ros::Time::init();  // messages to the console look at the clock, also without a node
     std::optional<ros::NodeHandle> node;
     if (settings.bag.empty()) {
       ros::init(argc, argv, "soft_scene");
-      ros::Time::init();
       node.emplace();
     }
     dcm::SoftScene(settings, node ? &*node : nullptr).run();

@@ -301,6 +301,8 @@ class EvaluateBag(EvaluationCase):
                             "rosbag reindex " + unindexed)
         self.assert_refused(["--config", config, self.path("no.bag")], "no.bag", "cannot be read")
         self.assert_refused(["--config", config, self.folder], "cannot be read")
+        merged = self.text("merged.yaml", CONFIG + "defaults: &d {margin_m: 0.5}\n<<: *d\n")
+        self.assert_refused(["--config", merged, self.bag()], "merge keys (<<) are not supported")
         self.assert_refused(["--config", config, self.text("empty.bag", "")], "is empty")
         self.assert_refused(["--config", config, self.text("text.bag", "hello")], "is no bag")
         self.assert_refused([], "BAG")

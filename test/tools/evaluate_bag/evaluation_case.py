@@ -1,5 +1,6 @@
 """What the tests of evaluate_bag share: the scene's bags, the tool and its tables. The tool is
 $EVALUATE_BAG."""
+import copy
 import csv
 import json
 import os
@@ -9,6 +10,8 @@ import subprocess
 import sys
 import tempfile
 import unittest
+
+import rospy
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "bags"))
 from panda_bag import AWAY_FROM, DATA, PandaBag, stamp_of, write_bag
@@ -23,6 +26,14 @@ objects: [{name: tshirt, topic: /tshirt}]
 def read_table(path):
     with open(path, newline="") as file:
         return list(csv.DictReader(file))
+
+
+def of_time(message, offset_s):
+    """A copy of a recorded message, all of whose stamps differ by so much."""
+    message = copy.deepcopy(message)
+    for stamped in getattr(message, "transforms", [message]):
+        stamped.header.stamp += rospy.Duration(offset_s)
+    return message
 
 
 class EvaluationCase(unittest.TestCase):

@@ -7,7 +7,7 @@ import re
 import rospy
 from tf2_msgs.msg import TFMessage
 
-from evaluation_case import CONFIG, EvaluationCase, main, read_table
+from evaluation_case import CONFIG, EvaluationCase, main, of_time, read_table
 from panda_bag import AWAY_FROM, FRAMES, stamp_of
 
 
@@ -110,6 +110,37 @@ objects: [{{name: tshirt, topic: /tshirt, parts: [
                                     "to_s: 1.51}", 1)
         self.assertEqual(unjudged, 1)
         self.assertIn("at 1.500 s: UNKNOWN", failures[0])
+
+    def test_where_the_clock_goes_back_cycles_are_judged_as_well(self):
+        """The shirt is far off until a simulator starts anew, and then in contact for 1.8 s."""
+        robot, *rest = self.events
+        away = [e for e in rest if e[0] >= stamp_of(AWAY_FROM - 0.5)]
+        anew = [(received + rospy.Duration(later_s), topic, of_time(message, later_s - 60))
+                for later_s in (30, 30.64, 31.28) for received, topic, message in rest
+                if received < stamp_of(AWAY_FROM - 0.5)]
+        bag = self.bag("anew.bag", [robot] + away + anew)
+        expect = self.text("e.yaml", """
+- {link: panda_hand, object: tshirt, touches: never}
+- {link: panda_hand, object: tshirt, touches: sometime, from_s: 0.1}
+- {link: panda_hand, object: tshirt, touches: never, to_s: 0.1}
+""")
+        summary = self.evaluate(bag, "--expect", expect, code=1)
+        self.assertEqual(summary["cycles"], FRAMES - AWAY_FROM + 3 * AWAY_FROM)
+        self.assertEqual([e["holds"] for e in summary["expectations"]], [False, True, True],
+                         summary["expectations"])
+
+    def test_only_a_second_without_transforms_is_an_edge(self):
+        """The publisher of transforms died, two seconds before the recording ended."""
+        events = [e for e in self.events if e[1] != "/tf" or e[0] < stamp_of(AWAY_FROM + 2.5)]
+        late = copy.deepcopy(next(e[2] for e in self.events if e[1] == "/tshirt"))
+        late.header.stamp = stamp_of(AWAY_FROM) + rospy.Duration(2)
+        text = "- {{link: panda_hand, object: tshirt, touches: never, from_s: {}, to_s: {}}}"
+        away_s = (stamp_of(AWAY_FROM) - stamp_of(0)).to_sec() - 0.001
+        bag = self.bag("died.bag", events + [(late.header.stamp, "/tshirt", late)])
+        expect = self.text("e.yaml", "\n".join(text.format(away_s, to_s) for to_s in (1, 3)))
+        expectations = self.evaluate(bag, "--expect", expect, code=1)["expectations"]
+        self.assertEqual([e["holds"] for e in expectations], [True, False])
+        self.assertIn("UNKNOWN", expectations[1]["failure"])
 
     def failures(self, text, *arguments):
         """Of expectations, by the first cycle's words; and what was said on standard error."""

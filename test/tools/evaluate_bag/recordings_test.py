@@ -7,7 +7,7 @@ import rospy
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 
-from evaluation_case import CONFIG, EvaluationCase, main, read_table
+from evaluation_case import CONFIG, EvaluationCase, main, of_time, read_table
 from monitor_test_support import mesh_message
 from panda_bag import DATA, FRAMES, START, stamp_of
 from panda_scene import READY, REFERENCE_FRAME
@@ -126,6 +126,18 @@ class Recordings(EvaluationCase):
         self.assertEqual(self.summary()["cycles"], len(kept))
         reasons = [row["reason"] for row in read_table(self.path("out/events.csv"))]
         self.assertIn("no new mesh within max_mesh_age_s", reasons)
+
+    def test_a_gap_costs_nothing_of_what_was_before_it(self):
+        """Two bags, a minute apart. TF keeps ten seconds, and the first one's last cycles wait for
+        what may still come."""
+        later = [(received + rospy.Duration(60), topic, of_time(message, 60))
+                 for received, topic, message in self.events
+                 if topic != "/contact_monitor/robot_meshes"]
+        self.evaluate(self.bag(), self.bag("later.bag", later))
+        rows = read_table(self.path("out/frames.csv"))
+        self.assertEqual([row["complete"] for row in rows], 2 * FRAMES * ["yes"])
+        self.assertEqual([row["pairs"] for row in rows[:FRAMES]],
+                         [row["pairs"] for row in rows[FRAMES:]])
 
     def test_a_hostile_recording(self):
         """An object whose clock jumps back, triangles that come last or are rejected, a mesh of

@@ -120,6 +120,8 @@ class EvaluateBags(FleetCase):
         for address in ("tcp://127.0.0.1:1", "localhost", "foo://a:1", "tcp://127.0.0.1:x", ""):
             with mock.patch("fleet.dask_run.CONNECT_S", 1):  # nobody will answer
                 self.assert_usage(f"--scheduler {address}: ", more=["--scheduler", address])
+        with mock.patch("os.scandir", side_effect=PermissionError(13, "Permission denied", "bags")):
+            self.assert_usage("bags: Permission denied, so bags may be missing")
         self.assert_usage("needs --baseline", more=["--allow", self.text("allow.yaml", "[]")])
         self.assert_usage("no run of evaluate_bags", more=["--baseline", self.path("bags")])
 

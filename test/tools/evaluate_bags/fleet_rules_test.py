@@ -66,6 +66,14 @@ class Rules(unittest.TestCase):
         self.assertEqual(self.kinds(links(("10.0", "11.0")), links(("9.0", "11.0"))),
                          [("began", 1)])
 
+    def test_what_is_no_longer_judged(self):
+        def links(state):
+            return {"links": [(state, "1.0", "2.0")] if state else []}
+        for old, new in (("NONE", None), ("NONE", "ALLOWED"), ("ALLOWED", "NONE"), ("NONE", "UNKNOWN")):
+            with self.subTest(old=old, new=new):
+                self.assertEqual(self.kinds(links(old), links(new)), [("unknown", 0)])
+        self.assertEqual(self.kinds(links(None), links("NONE")), [])
+
     def test_sets_of_pairs(self):
         links = [("CONTACT", "1.0", "2.0")]
         old = {"links": links, "pairs": [("1.0", 1, 2), ("1.0", 3, 4), ("2.0", 5, 6)]}

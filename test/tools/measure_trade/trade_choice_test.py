@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Which setting measure_trade chooses, what it says about noise, and what it writes for the node."""
+import os
 import pathlib
 import re
 import sys
@@ -55,8 +56,12 @@ class TradeChoice(Case):
                              "--write-config", "none")
         self.assertEqual(done.returncode, 2)
         self.assertIn("none: there is no setting to write", done.stderr)
-        lines = pathlib.Path(self.path("none")).read_text().splitlines()
-        self.assertTrue(lines and all(line.startswith("#") for line in lines), lines)
+        self.assertFalse(os.path.exists(self.path("none")))
+        own = self.mesh("own.yaml", "reference_frame: my_base\n")
+        done = self.run_tool(*self.scene(), *quick(), "--budget-ms", "1e-6",
+                             "--write-config", own, "--force")
+        self.assertEqual(done.returncode, 2)
+        self.assertEqual(pathlib.Path(own).read_text(), "reference_frame: my_base\n")
 
 
     def test_config_has_the_pair_classes_that_were_measured(self):

@@ -55,6 +55,15 @@ class SoftSceneTest(unittest.TestCase):
                 self.assertTrue(one == self.bag("two.bag", *words))  # no diff of megabytes
                 self.assertFalse(one == self.bag("other.bag", *words, "--seed", "2"))
 
+    def test_what_is_told_does_not_need_a_master(self):
+        """Mesh files are listed at the start; a cloth that falls is put back, and the log says so."""
+        self.bag("fall.bag", "--object", "cloth", "--pinned", "none", "--vertices", "100",
+                 "--seconds", "8")
+        mesh = self.path("one.obj")
+        with open(mesh, "w") as file:
+            file.write("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        self.assertTrue(self.bag("played.bag", "--meshes", mesh, mesh, "--seconds", "1"))
+
     def test_a_bag_that_does_not_fit_is_no_bag(self):
         def limit_files():  # as on a full disk, writing fails
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)

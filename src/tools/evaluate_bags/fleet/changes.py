@@ -73,10 +73,18 @@ def _of_pairs(old, new):
 
 
 def _of_unknown(old, new):
-    if old != new:
-        text = f"{len(new)} times, before {len(old)}"
-        changed = sorted(set(new) ^ set(old), key=lambda stretch: float(stretch[0]))
-        yield "unknown", f"UNKNOWN {text}; the first that differs: from {changed[0][0]} to " \
+    """Finds what was judged in one of the runs only."""
+    if old and not new:
+        if TOUCHING[0] not in old:  # otherwise the contact has vanished, which is said
+            yield "unknown", "the two are no longer monitored", 0
+        return
+    for state in ("UNKNOWN", "ALLOWED"):
+        was, now = old.get(state, []), new.get(state, [])
+        if was == now:
+            continue
+        text = f"{len(now)} times, before {len(was)}"
+        changed = sorted(set(now) ^ set(was), key=lambda stretch: float(stretch[0]))
+        yield "unknown", f"{state} {text}; the first that differs: from {changed[0][0]} to " \
                          f"{changed[0][1]}", 0
 
 
@@ -104,7 +112,7 @@ def changes_of(bag, old_folder, new_folder):
         for kind, text, amount in (
                 *_of_stretches(old.get(TOUCHING[0], []), new.get(TOUCHING[0], [])),
                 *_of_pairs(old_pairs.get(bodies, {}), new_pairs.get(bodies, {})),
-                *_of_unknown(old.get("UNKNOWN", []), new.get("UNKNOWN", []))):
+                *_of_unknown(old, new)):
             found.append(Change(bag, kind, bodies, text, amount))
     old, new = read_summary(old_folder), read_summary(new_folder)
     for kind, text in _of_expectations(old, new):

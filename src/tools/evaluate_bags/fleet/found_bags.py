@@ -8,8 +8,12 @@ class BagsError(Exception):
     """One line for the user."""
 
 
+def _refuse(error):
+    raise BagsError(f"{error.filename}: {error.strerror}, so bags may be missing")
+
+
 def _below(folder):
-    for at, folders, files in os.walk(folder):
+    for at, folders, files in os.walk(folder, onerror=_refuse):
         folders.sort()
         for file in sorted(files):
             if file.endswith(SUFFIX):
