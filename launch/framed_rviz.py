@@ -56,7 +56,12 @@ class Look:
         self.listener = tf2_ros.TransformListener(self.transforms)
         self.parts = {}  # by name: frame, flat vertices
         self.robot = False
-        objects = rospy.get_param(monitor + "/objects", [])
+        # Of the other types the camera knows nothing.
+        objects = [one for one in rospy.get_param(monitor + "/objects", [])
+                   if one.get("type", "deformable_mesh") == "deformable_mesh"]
+        # Names of several robots' links have their prefixes already.
+        several = rospy.get_param(monitor + "/robots", [])
+        self.prefix = "" if several else rospy.get_param(monitor + "/frame_prefix", "")
         self.expected = len(objects)
         self.subscribers = [rospy.Subscriber(monitor + "/robot_meshes", LinkMeshes, self.on_robot)]
         for one in objects:
@@ -67,7 +72,7 @@ class Look:
 
     def on_robot(self, message):
         for mesh in message.meshes:
-            self.parts["link " + mesh.link] = mesh.link, mesh.vertices
+            self.parts["link " + mesh.link] = self.prefix + mesh.link, mesh.vertices
         self.robot = True
 
     def on_mesh(self, message, name):

@@ -182,7 +182,7 @@ void PythonScene::setPartMargins(std::int64_t id, const std::map<std::int64_t, f
 // Without vertices, the body was rigid; without a pose, it did not move.
 void PythonScene::setEarlier(std::int64_t id, py::handle vertices, py::handle rotation,
                              py::handle translation) {
-  const std::string& name = nameOf(id);
+  const std::string name = nameOf(id);
   if (rotation.is_none() != translation.is_none()) {
     throw std::invalid_argument(name +
                                 ": rotation and translation: one is given without the other");

@@ -86,7 +86,8 @@ class PythonScene {
   Scene& changeable();
   // Returns the id, or throws std::invalid_argument if no body has it.
   BodyId checkedId(std::int64_t id) const;
-  const std::string& nameOf(std::int64_t id) const { return scene_.body(checkedId(id)).name; }
+  // Returns a copy: while numpy converts arguments, Python code may add bodies.
+  std::string nameOf(std::int64_t id) const { return scene_.body(checkedId(id)).name; }
 
   Scene scene_;
   std::map<BodyId, pybind11::object> device_arrays_;  // that the scene's bodies point into

@@ -3,6 +3,7 @@
 
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -130,6 +131,20 @@ std::unique_ptr<PythonStateChecker> makePythonStateChecker(const std::string& ba
                                               toSettings(device, memory_limit_mib), threads);
 }
 
+// Warns as Python does where every state is free because nothing is looked at.
+void warnIfNothingIsLookedAt(const Scene& scene, const std::vector<BodyId>& moved) {
+  const auto isMoved = [&moved](BodyId id) {
+    return std::find(moved.begin(), moved.end(), id) != moved.end();
+  };
+  for (const auto& [a, b] : scene.enabledPairs()) {
+    if (isMoved(a) || isMoved(b)) return;
+  }
+  const char* const text =
+      "no pair with one of the bodies that move is enabled, so every state is free: call "
+      "set_pair_enabled(a, b) first";
+  if (PyErr_WarnEx(PyExc_RuntimeWarning, text, 1) != 0) throw py::error_already_set();
+}
+
 }  // namespace
 
 PythonStates::PythonStates(const StateResults& results, const StateOptions& options,
@@ -199,6 +214,7 @@ PythonStates PythonStateChecker::check(PythonScene* scene, const std::vector<std
   }
   if (bodies.empty()) throw std::invalid_argument("bodies has none: no body moves");
   const std::vector<RigidTransform> all = toPoses(poses, bodies.size());
+  warnIfNothingIsLookedAt(scene->scene(), batch.moved);
   batch.count = all.size() / bodies.size();
   batch.poses = all.data();
   StateOptions options;

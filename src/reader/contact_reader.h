@@ -39,7 +39,8 @@ struct ReaderRules {
   // A NEAR pair lets its bodies move if its certain distance is larger than this [m], >= 0;
   // infinity: a NEAR pair never does.
   double clearance_m = std::numeric_limits<double>::infinity();
-  // True: a body that is in no state may move. False: nothing is known of such a body.
+  // True: a body that is in no state may move, if the message has states and the monitor knows the
+  // robot's links. False: nothing is known of such a body.
   bool unlisted_may_move = false;
 };
 
@@ -278,7 +279,17 @@ class ContactReader {
       if (because.empty()) because = question(state);
       if (!because.empty()) return state.body_a + " and " + state.body_b + ": " + because;
     }
-    return is_listed || rules_.unlisted_may_move ? "" : missing(body);
+    return is_listed || unlistedMayMove(body) ? "" : missing(body);
+  }
+
+  // Returns whether a body that is in no state may move. An empty list says nothing, and before the
+  // monitor knows the robot's links, it has a body "robot" in their place, which is UNKNOWN.
+  bool unlistedMayMove(const std::string& body) const {
+    if (!rules_.unlisted_may_move || body == "*" || newest_.states.empty()) return false;
+    return std::none_of(newest_.states.begin(), newest_.states.end(),
+                        [](const ContactState& state) {
+                          return state.state == ContactState::UNKNOWN && concerns(state, "robot");
+                        });
   }
 
   // Returns why something about the body is not known; empty if all is.

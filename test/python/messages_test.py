@@ -190,6 +190,17 @@ class Refusals(unittest.TestCase):
             to_bytes(message)
         self.assertEqual(str(raised.exception), "deformable_contact_monitor/" + text)
 
+    def test_a_refused_message_leaves_nothing_in_the_publishers_buffer(self):
+        """As rospy serializes: behind room for the length, and the next message after that."""
+        good, bad = messages.DeformableMesh(object="cloth"), messages.DeformableMesh(object="cloth")
+        bad.vertices = numpy.zeros((4, 2), "f4")
+        alone, after = io.BytesIO(), io.BytesIO()
+        rospy.msg.serialize_message(alone, 0, good)
+        with self.assertRaises(genpy.SerializationError):
+            rospy.msg.serialize_message(after, 0, bad)
+        rospy.msg.serialize_message(after, 0, good)
+        self.assertEqual(after.getvalue(), alone.getvalue())
+
     def test_what_does_not_survive_its_type(self):
         mesh, contacts = messages.DeformableMesh, messages.ContactArray
         for index in -1, 2**32:
@@ -303,7 +314,8 @@ class Publishing(unittest.TestCase):
                 messages.publish_mesh("/cloth", vertices, faces)
             self.assertEqual(str(raised.exception), text)
         for arguments, text in (({"frame": "/base"}, "frame is '/base'"), ({"frame": ""}, "frame is"),
-                                ({"topic": ""}, "topic is ''"), ({"stamp": 3.5}, "stamp is 3.5")):
+                                ({"topic": ""}, "topic is ''"), ({"stamp": 3.5}, "stamp is 3.5"),
+                                ({"name": 7}, "name is 7")):
             with self.assertRaisesRegex(ValueError, text):
                 messages.publish_mesh(**{"topic": "/cloth", "vertices": points,
                                          "triangles": triangles, **arguments})

@@ -4,6 +4,7 @@ import importlib.util
 import os
 import pathlib
 import unittest
+import warnings
 
 import deformable_contact
 import mesh_scenes
@@ -37,6 +38,16 @@ class States(unittest.TestCase):
         for body in self.one, self.two:
             self.scene.set_pair_enabled(self.floor, body)
         self.checker = StateChecker("cpu")
+
+    def test_free_because_nothing_is_looked_at_is_warned_of(self):
+        other = self.scene.add_body("other", [[1, 2, 0], [1, 3, 2], [2, 2, 2]], TRIANGLE)
+        with self.assertWarnsRegex(RuntimeWarning, "no pair with one of the bodies that move"):
+            self.checker.check(self.scene, [other], [[at(0, 0, 0)]])
+        self.scene.set_pair_enabled(other, self.floor)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            states = self.checker.check(self.scene, [other], [[at(0, 0, 0)]])
+        self.assertEqual(states.free.tolist(), [False])
 
     def test_states_by_hand(self):
         self.scene.set_margin(self.floor, 1)

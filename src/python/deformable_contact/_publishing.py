@@ -35,6 +35,8 @@ def publish_mesh(topic, vertices, triangles, frame="base_link", name="", stamp=N
         raise ValueError("frame is %r, must be a TF frame without leading '/'" % (frame,))
     if not isinstance(topic, str) or not topic:
         raise ValueError("topic is %r, must be a name" % (topic,))
+    if not isinstance(name, str):
+        raise ValueError("name is %r, must be a text" % (name,))
     # Stamps of received messages are of the base class.
     if stamp is not None and not isinstance(stamp, importlib.import_module("genpy").Time):
         raise ValueError("stamp is %r, must be a rospy.Time" % (stamp,))

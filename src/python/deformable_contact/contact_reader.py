@@ -137,7 +137,8 @@ class ContactReader:
     pair may be allowed, for the monitor then speaks once a second.
     clearance_m: [m] >= 0. A NEAR pair lets its bodies move while it is certainly farther apart than
     this; infinity: never.
-    unlisted_may_move: whether a body that is in no state may move; else nothing is known of it.
+    unlisted_may_move: whether a body that is in no state may move, if the message has states and the
+        monitor knows the robot's links; else nothing is known of it.
     """
 
     def __init__(self, max_age_s=0.5, clearance_m=math.inf, unlisted_may_move=False):
@@ -187,7 +188,7 @@ class ContactReader:
             because = self._doubt(state, now) or self._obstacle(state)
             if because:
                 return MoveAnswer("%s and %s: %s" % (state.body_a, state.body_b, because))
-        if states or self.unlisted_may_move:
+        if states or self._unlisted_may_move(body):
             return MoveAnswer("")
         return MoveAnswer(_missing(body, self.newest.states))
 
@@ -244,9 +245,15 @@ class ContactReader:
             because = self._doubt(state, now)
             if because:
                 return "%s and %s: %s" % (state.body_a, state.body_b, because)
-        if because or states or self.unlisted_may_move:
+        if because or states or self._unlisted_may_move(body):
             return because
         return _missing(body, self.newest.states)
+
+    def _unlisted_may_move(self, body):
+        """An empty list says nothing, and before the monitor knows the robot's links, it has a body
+        "robot" in their place, which is UNKNOWN."""
+        return (self.unlisted_may_move and body != "*" and len(self.newest.states) > 0 and
+                all(state.state != UNKNOWN for state in self._states_of("robot")))
 
     def _states_of(self, body):
         return [state for state in self.newest.states

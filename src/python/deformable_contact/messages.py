@@ -22,6 +22,7 @@ publish_mesh() publishes arrays as DeformableMesh in one call.
 ROS is imported at the first use of a class, the detector never.
 """
 import importlib
+import io
 import struct
 
 import numpy
@@ -122,7 +123,16 @@ def _message_class(name):
                 setattr(self, field, codec.empty())
 
     def serialize(self, buff):
-        _write_fields(fields, self, buff)
+        """Writes all or nothing."""
+        whole = io.BytesIO()
+        try:
+            _write_fields(fields, self, whole)
+        except genpy.SerializationError:
+            # rospy has left room for the length, and would send it before its next message.
+            if isinstance(buff, io.BytesIO) and buff.tell() > len(buff.getbuffer()):
+                buff.seek(0, io.SEEK_END)
+            raise
+        buff.write(whole.getbuffer())
 
     def deserialize(self, buffer):
         try:
