@@ -5,6 +5,7 @@
 #include <console_bridge/console.h>
 #include <ros/time.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -152,6 +153,7 @@ std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files, std::size_t mo
   BagCycles cycles(setup.parameters, contents, setup.robots, nullptr);
   auto frames = std::make_unique<BagFrames>(setup.parameters.pair_classes, most_frames);
   bool has_changed = false;
+  std::size_t count = 0, unknown = 0;
   const std::string problem = cycles.run(&reader, [&](CycleReport* cycle) {
     // All frames are of one scene, whose links do not change.
     if (cycles.robot() != 0) {
@@ -163,10 +165,21 @@ std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files, std::size_t mo
       return;
     }
     frames->add(*cycle);
+    ++count;
+    unknown += std::any_of(cycle->bodies.begin(), cycle->bodies.end(),
+                           [](const BodyStatus& body) { return !body.unknown_because.empty(); });
     progress("reading the bags, cycle " + std::to_string(cycle->cycle));
   });
   if (!problem.empty()) throw std::runtime_error("damaged: " + problem);
   if (frames->isEmpty()) throw std::runtime_error("the bags have no cycle to measure");
+  if (contents.damaged() > 0) {
+    warn(std::to_string(contents.damaged()) + " messages are damaged, and left out");
+  }
+  if (unknown > 0) {
+    warn("in " + std::to_string(unknown) + " of " + std::to_string(count) +
+         " cycles a body is UNKNOWN, and nothing is looked for on it, so they take less time; "
+         "evaluate_bag says why");
+  }
   if (!frames->sampleText().empty()) warn(frames->sampleText());
   return frames;
 }

@@ -12,7 +12,7 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "bags"))
-from panda_bag import DATA, FRAMES, PandaBag, write_bag
+from panda_bag import DATA, FRAMES, PandaBag, stamp_of, write_bag
 
 TOOL = os.environ["MEASURE_TRADE"]
 CONFIG = "reference_frame: panda_link0\nobjects: [{name: tshirt, topic: /tshirt}]\n"
@@ -54,6 +54,14 @@ class TradeBag(unittest.TestCase):
                    for row in self.rows("settings.csv")}
         self.assertEqual({recalls["1", clusters] for clusters in ("0", "64")}, {1.0})
         self.assertLess(recalls["0", "64"], 1)
+
+    def test_what_is_not_looked_at_is_said(self):
+        events = [e for e in self.scene.events() if e[1] != "/tf" or e[0] < stamp_of(9.5)]
+        done = self.run_tool("--bag", write_bag(self.path("half.bag"), events), "--config",
+                             self.path("config.yaml"), "--overlaps", "1", "--clusters", "0",
+                             "--predicates", "exact")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("in 10 of 20 cycles a body is UNKNOWN", done.stderr)
 
     def test_a_long_bag_is_sampled(self):
         bag = write_bag(self.path("panda.bag"), self.scene.events())
