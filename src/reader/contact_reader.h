@@ -108,7 +108,7 @@ class ContactReader {
   // an older stamp of the same cycle) is ignored, unless ROS time was reset or the monitor was
   // restarted. After one whose stamp is zero, nothing is known: its monitor has no clock.
   void store(const ContactStates& states, const ros::Time& now) {
-    if (is_there_ && now < received_) forget("ROS time went back");
+    if (is_there_ && (now < received_ || !went_back_.empty())) forget("ROS time went back");
     if (is_there_ && seconds(newest_.header.stamp, now) <= kClockSlackS && isOlder(states)) return;
     const bool goes_on = is_there_ && states.cycle >= newest_.cycle;
     latest_stamp_ = goes_on ? std::max(latest_stamp_, states.header.stamp) : states.header.stamp;
@@ -120,6 +120,7 @@ class ContactReader {
   // Discards the states. Until the next message, every answer is no, because of `because`.
   void forget(const std::string& because) {
     is_there_ = false;
+    went_back_.clear();
     newest_ = ContactStates();
     nothing_because_ = because;
   }
@@ -240,7 +241,9 @@ class ContactReader {
     if (!is_there_) return nothing_because_;
     if (newest_.header.stamp.isZero()) return "the monitor has no clock: its stamp is zero";
     const double silent_s = seconds(now, received_);
-    if (silent_s < -kClockSlackS) return text("ROS time went back by %.3f s", -silent_s);
+    // Once it went back, it will come to the old times again, and the states belong to the first.
+    if (silent_s < -kClockSlackS) went_back_ = text("ROS time went back by %.3f s", -silent_s);
+    if (!went_back_.empty()) return went_back_;
     return silent_s > rules_.max_age_s ? text("no states came for %.3f s", silent_s) : "";
   }
 
@@ -340,6 +343,7 @@ class ContactReader {
   ros::Time latest_stamp_;  // of all messages of this run of the monitor
   ros::Time received_;      // ROS time at which newest_ came
   std::string nothing_because_ = "no states came yet";
+  mutable std::string went_back_;  // why the stored states do not count any more; empty: they do
 };
 
 }  // namespace deformable_contact_monitor

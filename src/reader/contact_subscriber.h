@@ -70,8 +70,7 @@ class ContactSubscriber {
       is_first = !margins_checked_ && !states.states.empty();
       margins_checked_ = margins_checked_ || is_first;
     }
-    // A topic in the root has been remapped, and no monitor has the root's parameters.
-    if (is_first && std::isfinite(clearance_m_) && monitor_ != "/") checkMargins(states);
+    if (is_first && std::isfinite(clearance_m_)) checkMargins(states);
   }
 
   // Warns where NONE, up to the margin, lets a body move that is nearer than clearance_m.
@@ -86,8 +85,10 @@ class ContactSubscriber {
                     << " m): beyond it no distance is known, and mayMove() says yes");
   }
 
-  // Asks the master without mutex_, because that may take long.
+  // Asks the master without mutex_, because that may take long. A topic in the root has been
+  // remapped, and no monitor has the root's parameters.
   std::optional<MonitorMargins> readMargins() const {
+    if (monitor_ == "/") return std::nullopt;
     const std::lock_guard<std::mutex> lock(margins_mutex_);
     const ros::SteadyTime now = ros::SteadyTime::now();
     if (!margins_read_.isZero() && now - margins_read_ < ros::WallDuration(1)) return margins_;

@@ -16,7 +16,7 @@ import rostest
 from rosgraph_msgs.msg import Log as RosLog
 
 from deformable_contact_monitor.msg import ContactState, ContactStates
-from monitor_test_support import PACKAGE, Log
+from monitor_test_support import PACKAGE, Log, wait_until
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 OUTSIDE = ROOT / "test" / "outside" / "controller"
@@ -103,6 +103,22 @@ class Controllers(unittest.TestCase):
     def test_in_python(self):
         (self.folder / "controller.py").write_text(example("python"))
         self.check([sys.executable, str(self.folder / "controller.py")])
+
+    @unittest.skipUnless(importlib.util.find_spec("deformable_contact"), "no Python package")
+    def test_the_reader_beside_arrays_and_remapped(self):
+        """rospy keeps the class of a topic's first subscriber, here one with arrays. No monitor has
+        the parameters beside a topic in the root."""
+        from deformable_contact import messages
+        from deformable_contact.contact_reader import ContactSubscriber
+        rospy.Subscriber("/states", messages.ContactStates, lambda states: None)
+        reader = ContactSubscriber("/states", max_age_s=60)
+        publisher = rospy.Publisher("/states", ContactStates, queue_size=1, latch=True)
+        state = ContactState(body_a="panda_hand", body_b="cloth", min_separation=float("inf"))
+        message = ContactStates(cycle=1, states=[state])
+        message.header.stamp = state.stamp = rospy.Time.now()
+        publisher.publish(message)
+        wait_until(lambda: reader.may_move("panda_hand"), "a state")
+        self.assertEqual(reader.nearest_text("panda_hand"), "beyond the monitor's margin")
 
 
 if __name__ == "__main__":

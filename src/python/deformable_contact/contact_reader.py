@@ -3,6 +3,7 @@
 As C++'s reader/contact_reader.h; both are tested by one table of cases. ContactReader needs no ROS
 but messages and times that it is given; ContactSubscriber needs rospy.
 """
+import io
 import math
 import threading
 import time
@@ -276,7 +277,9 @@ class ContactReader:
             return "the monitor has no clock: its stamp is zero"
         silent_s = _seconds(now, self._received)
         if silent_s < -CLOCK_SLACK_S:
-            return "ROS time went back by %.3f s" % -silent_s
+            # It will come to the old times again, and the states belong to the first.
+            self.forget("ROS time went back by %.3f s" % -silent_s)
+            return self._nothing_because
         return "no states came for %.3f s" % silent_s if silent_s > self.max_age_s else ""
 
     def _doubt(self, state, now):
@@ -344,31 +347,46 @@ class ContactSubscriber:
             return self._reader.contacts(body, self._now())
 
     def _read_margins(self):
+        """None if they are not known. A topic in the root has been remapped, and no monitor has the
+        root's parameters."""
         import rospy
 
+        if not self._monitor:
+            return None
         if time.monotonic() - self._margins_read_s > 1:
             self._margins_read_s = time.monotonic()
             try:
-                parameters = rospy.get_param(self._monitor or "/", None)
+                parameters = rospy.get_param(self._monitor, None)
             except OSError:  # there is no master
                 parameters = None
             self._margins = margins_of(parameters) if isinstance(parameters, dict) else None
         return self._margins
 
     def _store(self, states):
+        if not isinstance(states.states, list):
+            states = self._without_arrays(states)
         with self._lock:
             self._reader.store(states, self._now())
         if states.states and not self._margins_checked:
             self._margins_checked = True
             self._check_margins(states)
 
+    @staticmethod
+    def _without_arrays(states):
+        """As the generated class. rospy keeps the class of a process's first subscriber of a topic,
+        which may be that of deformable_contact.messages."""
+        from deformable_contact_monitor.msg import ContactStates
+
+        buff = io.BytesIO()
+        states.serialize(buff)
+        return ContactStates().deserialize(buff.getvalue())
+
     def _check_margins(self, states):
         """Warns where NONE, up to the margin, lets a body move that is nearer than clearance_m."""
         import rospy
 
         clearance_m = self._reader.clearance_m
-        asks = math.isfinite(clearance_m) and self._monitor  # no monitor has the root's parameters
-        margins = self._read_margins() if asks else None
+        margins = self._read_margins() if math.isfinite(clearance_m) else None
         if margins is None:
             return
         below = [(state, margin_m) for state, margin_m in
