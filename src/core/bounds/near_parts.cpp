@@ -268,9 +268,11 @@ double nearTriangles(const PosedTile& a, const PosedTile& b, double needed_m,
       }
     }
   }
-  // Without a margin and a tolerance only overlapping boxes are left, so there is no order among
-  // them.
-  if (needed_m > 1e-44) sortByBound(near);
+  // Without a margin and a tolerance usually only overlapping boxes are left, and there is no order
+  // among them.
+  const bool have_order = std::any_of(near.begin(), near.end(),
+                                      [](const NearTriangles& pair) { return pair.low_m > 0; });
+  if (have_order) sortByBound(near);
   return least(least_m, std::sqrt(left_out2) * kRounding);
 }
 

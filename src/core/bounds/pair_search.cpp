@@ -151,7 +151,12 @@ BodyDistance PairSearch::distance() const {
   BodyDistance distance;
   distance.body_a = bodies_.a_id;
   distance.body_b = bodies_.b_id;
-  if (next_region_ == bodies_.a->regions().size()) distance.low_m = roundedDown(restLow());
+  if (next_region_ == bodies_.a->regions().size()) {
+    // Bodies that are certainly apart have at least the least float32 as their distance.
+    constexpr float kLeast = 0x1p-149F;
+    const double low_m = restLow();
+    distance.low_m = low_m > 0 ? most(kLeast, roundedDown(low_m)) : 0;
+  }
   distance.high_m = high_m_;
   if (high_m_ < INFINITY) {
     distance.witness = {bodies_.a_id, witness_.triangle_a, bodies_.b_id, witness_.triangle_b};

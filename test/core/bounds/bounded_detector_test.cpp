@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -287,6 +288,35 @@ TEST_F(BoundedTest, IsExactWithoutToleranceAndDeadlineAndBetweenStates) {
   scene.setEarlier(0, RigidTransform());
   EXPECT_TRUE(
       samePairs(exact_->detect(scene, swept).contacts, detector_->detect(scene, swept).contacts));
+}
+
+// Gaps of one step of float32 are as small as the bounds of distances themselves.
+TEST_F(BoundedTest, DecidesBodiesOfTheSmallestNumbers) {
+  std::mt19937 random(3);
+  const auto soup = [&random](std::size_t triangles) {
+    TriangleMesh mesh;
+    for (std::size_t i = 0; i < 9 * triangles; ++i) {
+      const int steps = static_cast<int>(random() % 41) - 20;
+      mesh.vertices.push_back(static_cast<float>(steps * 0x1p-149));
+    }
+    for (std::uint32_t i = 0; i < 3 * triangles; ++i) mesh.triangles.push_back(i);
+    return mesh;
+  };
+  std::size_t touching = 0;
+  for (int i = 0; i < 300; ++i) {
+    const TriangleMesh a = soup(1 + random() % 4);
+    const Scene scene = pairScene(a, soup(1 + random() % 4));
+    settle(scene);
+    Options options;
+    options.limits.deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    const DetectionResult& result = detector_->detect(scene, options);
+    EXPECT_FALSE(result.cut_off) << i;
+    const DetectionResult& exact = exact_->detect(scene, Options());
+    EXPECT_TRUE(samePairs(exact.contacts, result.contacts)) << i;
+    touching += !exact.contacts.empty();
+  }
+  EXPECT_GT(touching, 30U);
+  EXPECT_LT(touching, 270U);
 }
 
 TEST_F(BoundedTest, IsExactUntilTilingsAreThere) {
