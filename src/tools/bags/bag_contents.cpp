@@ -248,14 +248,14 @@ ros::Time BagContents::ended() const {
 }
 
 bool BagContents::isAtEdge(const ros::Time& stamp) const {
-  constexpr double kLongestStartS = 1, kLongestEndS = 1;
+  constexpr double kLongestS = 1;  // of an edge
   if (moving.empty() || meshes.empty() || !jumps.all().empty()) return false;
-  if (stamp < settled() && secondsBetween(stamp, meshes.front().stamp) <= kLongestStartS) {
+  if (stamp < settled() && secondsBetween(stamp, meshes.front().stamp) <= kLongestS) {
     return true;
   }
   ros::Time end;
   for (const auto& [frame, span] : moving) end = std::max(end, span.last);
-  return end < stamp && secondsBetween(stamp, end) <= kLongestEndS;
+  return end < stamp && secondsBetween(stamp, end) <= kLongestS;
 }
 
 // Fixed joints become static transforms. Frames of moving joints count as known while their joint
