@@ -79,7 +79,14 @@ const DetectionResult& SingleGpuDetector::detect(const Scene& scene, const Optio
   if (limit.over()) {
     result_.cutOff(limit.why());
   } else {
-    findContacts(scene, options, limit, watch);
+    try {
+      findContacts(scene, options, limit, watch);
+    } catch (...) {
+      // Copies from this scene may be under way, and the caller may change it.
+      cycle_.stop.set();
+      cudaStreamSynchronize(cycle_.stream.get());
+      throw;
+    }
   }
   result_.round_trip_ms = watch.elapsedMs();
   upload_.endDetection();

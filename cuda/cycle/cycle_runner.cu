@@ -96,10 +96,10 @@ bool CycleRunner::sweepInPasses(const Options& options, const CycleLimit& limit)
   const cudaStream_t stream = cycle_.stream.get();
   const CycleCounters& counted = cycle_.counted();
   const CycleShape shape = cycle_.shapeOf(options, 0);
-  const std::uint32_t most = std::min(
-      kMostPasses,
-      std::max(kWarp * (cycle_.arrays.scene.tile_count + counted.tile_pairs + counted.dense_pairs),
-               oversizedBlocks(cycle_.arrays)));
+  const std::uint64_t tile_pairs = std::uint64_t{counted.tile_pairs} + counted.dense_pairs;
+  const auto most = static_cast<std::uint32_t>(std::min<std::uint64_t>(
+      kMostPasses, std::max<std::uint64_t>(kWarp * (cycle_.arrays.scene.tile_count + tile_pairs),
+                                           oversizedBlocks(cycle_.arrays))));
   const std::uint64_t found = counted.examined + counted.unexamined;
   auto passes = static_cast<std::uint32_t>(
       std::min<std::uint64_t>(most, found / cycle_.sizes.candidates + 2));

@@ -46,6 +46,21 @@ __device__ inline std::uint32_t warpPrefix(std::uint32_t x, std::uint32_t& total
   return sum - x;
 }
 
+// A counter of 32 bits that tells the length of a list stops growing about here, so that it cannot
+// wrap and seem small. No list has so many places.
+constexpr std::uint32_t kMostCounted = 1U << 30;
+
+// Adds to the counter of a list, and returns what it was. The counter is not less than kMostCounted
+// from the time on when it has passed it.
+__device__ inline std::uint32_t reserve(std::uint32_t* counter, std::uint32_t places) {
+  const std::uint32_t first = atomicAdd(counter, places);
+  if (first >= kMostCounted) atomicMin(counter, kMostCounted);
+  return first;
+}
+__device__ inline unsigned long long reserve(unsigned long long* counter, std::uint32_t places) {
+  return atomicAdd(counter, static_cast<unsigned long long>(places));
+}
+
 // Reserves one place for each lane of a whole warp that wants it, with one atomic; returns it.
 // Counter is an unsigned integer of 32 or 64 bits.
 template <class Counter>
@@ -53,7 +68,7 @@ __device__ inline Counter warpReserve(Counter* counter, bool wanted) {
   const unsigned mask = __ballot_sync(kFullWarp, wanted);
   Counter base = 0;
   if (mask == 0) return 0;
-  if (laneId() == 0) base = atomicAdd(counter, static_cast<Counter>(__popc(mask)));
+  if (laneId() == 0) base = reserve(counter, __popc(mask));
   return __shfl_sync(kFullWarp, base, 0) + __popc(mask & ((1U << laneId()) - 1));
 }
 

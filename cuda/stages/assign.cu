@@ -206,7 +206,7 @@ class BorderTile {
 __device__ std::uint32_t reserveList(const CycleArrays& c, std::uint32_t length) {
   std::uint32_t place = 0;
   if (laneId() == 0) {
-    place = atomicAdd(&c.counters().list_words, length + 1);
+    place = reserve(&c.counters().list_words, length + 1);
     if (std::uint64_t{place} + length + 1 > c.tiles.lists.size()) place = kNone;
     if (place != kNone) c.tiles.lists[Place(place)] = length;
   }

@@ -102,7 +102,7 @@ __device__ inline float distanceBetween(const Triangle& a, const Triangle& b, bo
 
 // Notes a pair of triangles that is as near as the best one so far.
 __device__ inline void addHit(const CycleArrays& c, std::uint32_t pair, Key key, TriangleIndex b) {
-  const std::uint32_t place = atomicAdd(&c.counters().nearest_hits, 1U);
+  const std::uint32_t place = reserve(&c.counters().nearest_hits, 1);
   if (place < c.nearest.hits.size()) c.nearest.hits[Place(place)] = {key, pair, b.value};
 }
 

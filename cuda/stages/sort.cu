@@ -135,7 +135,7 @@ __device__ void cutUnits(const CycleArrays& c, ClusterIndex cluster,
       const std::uint32_t units = (warpMost(length) + unit_columns - 1) / unit_columns;
       if (units == 0) continue;
       std::uint32_t place = 0;
-      if (laneId() == 0) place = atomicAdd(&c.counters().units, units);
+      if (laneId() == 0) place = reserve(&c.counters().units, units);
       place = __shfl_sync(kFullWarp, place, 0);
       for (std::uint32_t u = laneId(); u < units && place + u < c.sweep.units.size(); u += kWarp) {
         c.sweep.units[Place(place + u)] = {cluster, SortedIndex(chunk),

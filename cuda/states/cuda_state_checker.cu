@@ -259,7 +259,7 @@ bool CudaStateChecker::searchAgain(StateArrays* arrays, const CycleLimit& limit)
   const bool lists_tiles = counted.near_tiles <= arrays->near_tiles_size;
   if (counted.hits > arrays->hits_size) {
     const std::uint64_t wanted = std::uint64_t{counted.hits} + counted.hits / 4;
-    if (wanted * sizeof(StateHit) > limit_bytes_) {
+    if (counted.hits >= kMostCounted || wanted * sizeof(StateHit) > limit_bytes_) {
       throw CudaError(BackendFault::kSceneTooLarge,
                       "too many triangles of a state are equally near to be compared on CUDA");
     }

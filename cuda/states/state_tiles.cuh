@@ -180,9 +180,7 @@ class StateTilesSearch {
     if (__float_as_uint(apart_m) > atomicMin(&s_.apart[tiles_.state], __float_as_uint(apart_m))) {
       return;
     }
-    constexpr std::uint32_t kMost = 1U << 30;  // the counter must not wrap
-    if (static_cast<const volatile std::uint32_t&>(s_.counters->hits) >= kMost) return;
-    const std::uint32_t hit = atomicAdd(&s_.counters->hits, 1U);
+    const std::uint32_t hit = reserve(&s_.counters->hits, 1);
     if (hit < s_.hits_size) {
       s_.hits[hit] = {tiles_.state, tiles_.pair, slot_a, slot_b, apart_m, bare_m};
     }

@@ -34,7 +34,7 @@ bool hasPart(const Body& body, PartId part) {
 }  // namespace
 
 void Scene::useMemory(std::pmr::memory_resource& memory) {
-  memory_ = &memory;
+  memory_.resource = &memory;
   for (Body& body : bodies_) body.mesh.moveTo(memory);
 }
 
@@ -43,7 +43,7 @@ BodyId Scene::addBody(std::string name, TriangleMesh mesh) {
   Body body;
   body.name = std::move(name);
   body.mesh = std::move(mesh);
-  body.mesh.moveTo(*memory_);
+  body.mesh.moveTo(*memory_.resource);
   body.topology_revision = body.vertices_revision = nextRevision();
   bodies_.push_back(std::move(body));
   for (auto& row : enabled_) row.push_back(false);

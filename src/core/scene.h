@@ -192,6 +192,18 @@ class DCM_EXPORT Scene {
   const std::vector<Body>& bodies() const { return bodies_; }
 
  private:
+  // Where meshes are stored: plain memory at first, and in copies of a scene.
+  struct MeshMemory {
+    MeshMemory() = default;
+    MeshMemory(const MeshMemory& /*other*/) {}
+    MeshMemory(MeshMemory&&) = default;
+    // A scene that is assigned to keeps its own memory.
+    MeshMemory& operator=(const MeshMemory& /*other*/) { return *this; }
+    MeshMemory& operator=(MeshMemory&&) = default;
+
+    std::pmr::memory_resource* resource = std::pmr::new_delete_resource();
+  };
+
   static void requireFinite(const Body& body, const RigidTransform& pose);
   bool anyBody(float Body::*length_m) const;
   static void sumUpMargins(Body* body);
@@ -202,7 +214,7 @@ class DCM_EXPORT Scene {
   std::vector<std::vector<bool>> enabled_;  // symmetric
   std::vector<PartPair> disabled_parts_;    // ascending
   std::uint64_t pairs_revision_ = 0;
-  std::pmr::memory_resource* memory_ = std::pmr::new_delete_resource();
+  MeshMemory memory_;
 };
 
 }  // namespace deformable_contact_monitor

@@ -165,6 +165,18 @@ Scene farFromTheOrigin(double metres) {
   return scene;
 }
 
+// Body 0 is a triangle in the plane x = 0, which the pose leaves where it is, and another one that
+// the pose sends so far that its box cannot be computed in double.
+Scene sentBeyondDoubles() {
+  Scene scene = pairScene(meshOf({{{{0, -1, -1}, {0, 1, -1}, {0, 0, 1}}},
+                                  {{{1e30F, 0, 0}, {1e30F, 1, 0}, {1e30F, 0, 1}}}}),
+                          meshOf({{{{-1, 0, 0}, {1, 0, 0}, {1, 0.2F, 0.1F}}}}));
+  RigidTransform pose;
+  pose.rotation[0] = 1e300;
+  scene.setPose(0, pose);
+  return scene;
+}
+
 struct Extreme {
   const char* name;
   std::function<Scene()> make;
@@ -195,6 +207,7 @@ const std::vector<Extreme>& extremes() {
       {"negative_zeros", negativeZeros},
       {"near_the_origin", [] { return farFromTheOrigin(1); }},
       {"a_thousand_kilometres_off", [] { return farFromTheOrigin(1e6); }},
+      {"sent_beyond_doubles", sentBeyondDoubles},
       {"one_triangle",
        [] {
          return selfScene(meshOf({{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}}));

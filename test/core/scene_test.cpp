@@ -251,7 +251,12 @@ TEST(SceneMemory, MeshesLieWhereTheyAreWantedAndCopiesDoNot) {
   scene.setVertices(after, moved.data(), 3);
   EXPECT_EQ(place, scene.body(after).mesh.vertices.data());
   {
-    const Scene copy = scene;
+    Scene copy = scene;
+    copy.addBody("of the copy", oneTriangle());
+    EXPECT_EQ(2 * kMesh, memory.bytes);
+    Scene assigned;
+    assigned = scene;
+    assigned.addBody("of the copy", oneTriangle());
     EXPECT_EQ(2 * kMesh, memory.bytes);
     EXPECT_TRUE(copy.body(after).mesh.vertices == moved);
     scene.setMesh(after, TriangleMesh());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -90,8 +91,10 @@ inline Aabb posedBox(const Aabb& received, const RigidTransform& pose, bool is_i
     }
     // Covers the float32 rounding of the vertices (2^-24 of their size) and of the box itself.
     const double reach = extent + size * 2.5e-7 + 1e-44;
-    min[i] = toFloat(centre - reach);
-    max[i] = toFloat(centre + reach);
+    // Where a double overflows, nothing is certain, and the box is infinite along this axis.
+    const bool is_known = std::isfinite(centre) && std::isfinite(reach);
+    min[i] = is_known ? toFloat(centre - reach) : -INFINITY;
+    max[i] = is_known ? toFloat(centre + reach) : INFINITY;
   }
   return {{min[0], min[1], min[2]}, {max[0], max[1], max[2]}};
 }
