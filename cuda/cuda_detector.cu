@@ -46,6 +46,8 @@ class SingleGpuDetector : public PartitionDetector {
   void findContacts(const Scene& scene, const Options& options, const CycleLimit& limit,
                     const Stopwatch& watch);
   void addTimes(double upload_ms, double output_ms, bool swept);
+  // Stops the work that a cycle may have left, and waits for it, before memory is freed.
+  void endWork();
 
   DetectionResult result_;
   DeviceCycle cycle_;
@@ -59,11 +61,15 @@ SingleGpuDetector::SingleGpuDetector(const CudaSettings& settings) : cycle_(sett
   result_.geometry.moveTo(pinnedMemory());
 }
 
-// Stops the work that a cycle may have left, and waits for it before memory is freed.
 SingleGpuDetector::~SingleGpuDetector() {
   cudaSetDevice(cycle_.settings.device);
+  endWork();
+}
+
+void SingleGpuDetector::endWork() {
   cycle_.stop.set();
   cudaStreamSynchronize(cycle_.stream.get());
+  runner_.waitForBranches();
 }
 
 std::pmr::memory_resource& SingleGpuDetector::vertexMemory() { return pinnedOrPlainMemory(); }
@@ -83,8 +89,7 @@ const DetectionResult& SingleGpuDetector::detect(const Scene& scene, const Optio
       findContacts(scene, options, limit, watch);
     } catch (...) {
       // Copies from this scene may be under way, and the caller may change it.
-      cycle_.stop.set();
-      cudaStreamSynchronize(cycle_.stream.get());
+      endWork();
       throw;
     }
   }

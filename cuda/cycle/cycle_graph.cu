@@ -1,4 +1,4 @@
-// Enqueues the steps of a cycle on one main stream and three branches, and records them as a CUDA
+// Enqueues the steps of a cycle on one main stream and four branches, and records them as a CUDA
 // graph. The steps that can run side by side are on different branches; events order them.
 #include <type_traits>
 
@@ -183,6 +183,11 @@ void CycleGraph::enqueue(const CycleArrays& cycle, const CycleShape& shape, cuda
   }
   done_[kFrames].makeWait(stream);
   if (shape.nearest) done_[kNearest].makeWait(stream);
+}
+
+// An error that the device reports here was reported before.
+void CycleGraph::waitForBranches() {
+  for (const CudaStream& branch : branch_) cudaStreamSynchronize(branch.get());
 }
 
 void CycleGraph::runTimed(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {

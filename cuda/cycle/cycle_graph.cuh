@@ -28,6 +28,8 @@ class CycleGraph {
 
   // Enqueues the steps one by one and records an event between them.
   void runTimed(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
+  // Waits for what run() has begun on branches, also if it threw.
+  void waitForBranches();
   // Returns the times of the steps of runTimed() [ms]. The stream must have been waited for.
   StageTimes times() const;
 

@@ -35,6 +35,7 @@ bool CycleRunner::run(const Options& options, const CycleLimit& limit) {
   const CycleCounters& counted = cycle_.counted();
   const bool too_many =
       counted.candidates > cycle_.sizes.candidates || counted.open_pairs > cycle_.sizes.open_pairs;
+  if (too_many) all = false;
   if (too_many && !limit.over()) {
     all = runInPasses(options, limit);
     collector_.fetch(options, limit);

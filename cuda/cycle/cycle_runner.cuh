@@ -22,6 +22,11 @@ class CycleRunner {
   // the last cycle found. Throws CudaError.
   bool run(const Options& options, const CycleLimit& limit);
 
+  // Waits for what run() has begun beside the cycle's stream, also if it threw.
+  void waitForBranches() {
+    for (CycleGraph& graph : graphs_) graph.waitForBranches();
+  }
+
   // Returns how long the device worked in the last run() [ms], including tries that did not fit.
   double deviceMs() const { return earlier_ms_ + CudaEvent::between(cycle_start_, cycle_end_); }
   // Returns the times of the stages in the last run() [ms], with CudaSettings::time_stages.

@@ -74,7 +74,7 @@ class DeviceScene {
   std::uint32_t triangleCount() const { return arrays_.triangle_count; }
   std::uint32_t groupCount() const { return tables_.group_count; }
   bool anySelf() const { return tables_.any_self; }
-  // Returns Scene::anyMargin() and anyPad() of the scene that was sent.
+  // Returns whether the scene that was sent has margins within which pairs are listed, and pads.
   BodyLengths anyLengths() const { return any_; }
 
   // Fills in result.rejected_parts after a cycle, whose counters the result has. Waits for the

@@ -59,6 +59,15 @@ void PartitionBounds::weigh() {
       break;
     }
   }
+  // Where no bound can divide the costly material, weights would go apart for ever, and the bounds
+  // could not follow it any more.
+  constexpr double kMost = 256;
+  double sum = 0;
+  for (const Sample& sample : samples_) sum += sample.weight;
+  const double scale = static_cast<double>(samples_.size()) / sum;
+  for (Sample& sample : samples_) {
+    sample.weight = std::clamp(sample.weight * scale, 1 / kMost, kMost);
+  }
 }
 
 // Returns the axis along which the samples spread widest. It ignores the outermost sixteenth at

@@ -83,7 +83,6 @@ struct DevicePartition {
   // Runs a cycle. Keeps an exception in `failure`, because it may run on another thread than the
   // caller's.
   void detect(const Scene& scene, const Options& options) {
-    failure = nullptr;
     try {
       result = &detector->detect(scene, options);
     } catch (...) {
@@ -168,6 +167,8 @@ class PartitionedDetector : public Detector {
   // Detects on `count` devices at once. Returns false if a device failed; at least one device is
   // left then. Throws if no device is left.
   bool runPartitions(const Scene& scene, Options options, std::size_t count) {
+    // A failure that was thrown left its device in use.
+    for (DevicePartition& partition : partitions_) partition.failure = nullptr;
     if (count > 1) {
       const std::vector<ScenePartition>& partitions = bounds_.cut(scene, count);
       for (std::size_t s = 0; s < count; ++s) partitions_[s].detector->setPartition(partitions[s]);

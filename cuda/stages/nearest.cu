@@ -168,6 +168,10 @@ __global__ void __launch_bounds__(kTaskThreads) tilesKernel(CycleArrays c) {
       }
       unsigned full = __ballot_sync(kFullWarp, near && !listed);
       for (; full != 0; full &= full - 1) {
+        if (warpIsCutOff(c, warp % kWarpsPerAsker == 0)) {
+          c.counters().nearest_cut_off = 1;
+          return;
+        }
         const std::uint32_t lane = __ffs(static_cast<int>(full)) - 1;
         search.run({pair, TileIndex(a.first_tile.value + lane), other});
         key = bestOf(c, pair);
@@ -267,7 +271,10 @@ __global__ void __launch_bounds__(kPairThreads) resultKernel(CycleArrays c) {
   const bool cut_off = c.counters().nearest_cut_off != 0;
   const TriangleIndex t(triangleOf(key));
   const bool found = t.value != kNone && !cut_off;
-  if (found && c.counters().nearest_hits <= c.nearest.hits.size()) {
+  // Each pair reads all hits. Where both are many, it takes less to search its own regions.
+  constexpr std::uint64_t kMostReads = 1U << 24;
+  const std::uint32_t hits = c.counters().nearest_hits;
+  if (found && hits <= c.nearest.hits.size() && std::uint64_t{hits} * gridDim.x <= kMostReads) {
     partnerInHits(c, pair, key, &least);
   } else if (found) {
     findPartner(c, pair.value, t, distanceOf(key), threadIdx.x / kWarp, kPairThreads / kWarp,

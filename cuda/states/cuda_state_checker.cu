@@ -14,6 +14,7 @@
 #include "cuda/device/check.cuh"
 #include "cuda/device/own_process.h"
 #include "cuda/device/stream.cuh"
+#include "cuda/device/warp.cuh"
 #include "cuda/states/state_kernels.cuh"
 #include "cuda/states/state_scene.cuh"
 

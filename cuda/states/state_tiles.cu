@@ -184,6 +184,7 @@ __global__ void __launch_bounds__(kThreads) tilesKernel(StateArrays s) {
       if (kSearchesAtOnce) {
         StateTilesSearch search(s, &room[kSearchesAtOnce ? threadIdx.x / kWarp : 0]);
         for (unsigned left = __ballot_sync(kFullWarp, near); left != 0; left &= left - 1) {
+          if (isStopped(s, warpNumber() % kWarpsPerStopper == 0)) return;
           const std::uint32_t tile = own - laneId() + __ffs(static_cast<int>(left)) - 1;
           search.run({warp.state, place, flipped ? other : tile, flipped ? tile : other});
         }

@@ -126,6 +126,20 @@ TEST_F(PartitionedDetector, SmallScenesStayOnTheFirst) {
       << "the first has all of it again";
 }
 
+TEST_F(PartitionedDetector, WhereTheSceneWasTooDenseADeviceIsStillThere) {
+  const auto detector = make({0, 1, 2});
+  plan_.has_no_room = {1};
+  EXPECT_THROW(detector->detect(scene_, Options()), BackendError);
+  plan_.has_no_room.clear();
+  plan_.fails = {0};
+  const Scene small = pairScene(clothGrid(2, 1, 0, 0), clothGrid(2, 1, 0, 0));
+  plan_.ran.clear();
+  EXPECT_FALSE(detector->detect(small).contacts.empty());
+  EXPECT_EQ(plan_.ran, (Devices{0, 1})) << "the next one takes the place of the first";
+  EXPECT_EQ(detect(*detector), (Devices{1, 2}));
+  EXPECT_EQ(told_.size(), 1U);
+}
+
 TEST_F(PartitionedDetector, TheRestMakeTheCycleAgain) {
   const auto detector = make({0, 1, 2});
   detect(*detector);
@@ -227,6 +241,34 @@ TEST(PartitionBounds, BecomeEvenByWhatThePartitionsTake) {
     bounds.note(took_ms);
   }
   EXPECT_NEAR(worst, 2.5 / 3, 0.05);
+}
+
+// No cut divides a place, so its partition always takes longest.
+TEST(PartitionBounds, FollowCostlyMaterialAfterAnyNumberOfCycles) {
+  TriangleMesh line;
+  for (std::uint32_t i = 0; i < 3000; ++i) {
+    line.vertices.insert(line.vertices.end(), {static_cast<float>(i), 0, 0});
+    line.triangles.push_back(i);
+  }
+  const Scene scene = selfScene(std::move(line));
+  PartitionBounds bounds;
+  const auto cutAfter = [&](int cycles, float spot) {
+    float cut = 0;
+    for (int cycle = 0; cycle < cycles; ++cycle) {
+      const std::vector<ScenePartition>& partitions = bounds.cut(scene, 2);
+      std::vector<double> took_ms;
+      for (const ScenePartition& one : partitions) {
+        const double width = std::min(one.high, 3000.0F) - std::max(one.low, 0.0F);
+        took_ms.push_back(0.2 + 1e-4 * width + (one.low <= spot && spot < one.high ? 2 : 0));
+      }
+      cut = partitions.front().high;
+      bounds.note(took_ms);
+    }
+    return cut;
+  };
+  EXPECT_NEAR(cutAfter(400, 300), 300, 60);
+  EXPECT_NEAR(cutAfter(20000, 300), 300, 60);
+  EXPECT_NEAR(cutAfter(2000, 2700), 2700, 60);
 }
 
 }  // namespace
