@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cuda/memory/copy_from_device.h"
+#include "python/others_run.h"
 
 namespace deformable_contact_monitor {
 namespace py = pybind11;
@@ -260,7 +261,7 @@ py::array toHostArray(py::handle value, const std::string& name) {
   void* const to = array.mutable_data();
   if (bytes > 0) {
     // The stream may wait for work of other Python threads.
-    const py::gil_scoped_release others_run;
+    const OthersRun others_run;
     copyFromDevice(to, toPointer<const void>(from), bytes, stream);
   }
   return array;

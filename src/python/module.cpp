@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/mesh_file.h"
+#include "python/others_run.h"
 #include "python/python_detector.h"
 #include "python/python_result.h"
 #include "python/python_robot.h"
@@ -67,7 +68,7 @@ py::tuple readMesh(const py::object& path) {
   TriangleMesh mesh;
   MeshFileReport report;
   try {
-    const py::gil_scoped_release others_run;
+    const OthersRun others_run;
     mesh = readMeshFile(name, &report);
   } catch (const std::runtime_error& refused) {
     throw std::invalid_argument(refused.what());
@@ -94,6 +95,7 @@ PYBIND11_MODULE(_core, module) {
 #ifdef DCM_WITH_ROBOT
   bindRobot(module);
 #endif
+  waitForOthersAtExit();
   module.def("read_mesh", &readMesh, py::arg("path"), kReadMeshText);
   // Users then see deformable_contact.Scene and not deformable_contact._core.Scene.
   for (const char* name : {"BodyDistance", "Detector", "NearestPair", "Result", "Scene",

@@ -11,6 +11,7 @@
 
 #include "core/common/forks.h"
 #include "cuda/detector_choice.h"
+#include "python/others_run.h"
 #include "python/python_scene.h"
 
 namespace deformable_contact_monitor {
@@ -87,7 +88,7 @@ class PythonBackend {
     } const working{this};
     working_.set();
     const auto& result = [&]() -> decltype(auto) {
-      const pybind11::gil_scoped_release others_run;
+      const OthersRun others_run;
       return work(used_.get());
     }();
     update();

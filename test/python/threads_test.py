@@ -230,6 +230,45 @@ class Forks(unittest.TestCase):
         self.assertEqual(codes, [0])
 
 
+class TheEnd(unittest.TestCase):
+    """Of an interpreter with daemon threads, like those of rospy, which go on until the process ends."""
+
+    def end_with(self, code):
+        folder = os.path.dirname(os.path.abspath(__file__))
+        done = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, timeout=60,
+                              stderr=subprocess.STDOUT, cwd=folder)
+        self.assertEqual((done.returncode, done.stdout), (0, b""))
+
+    def end_with_daemons(self, works):
+        self.end_with("from threads_test import *\n"
+                      "def for_ever(work):\n"
+                      "    while True: work()\n"
+                      "rng = numpy.random.default_rng(1)\n"
+                      f"for work in {works}:\n"
+                      "    threading.Thread(target=for_ever, args=[work], daemon=True).start()\n"
+                      "time.sleep(0.3)\n"
+                      "much = [[i] for i in range(3000000)]  # the end takes its time\n")
+
+    def test_short_work_does_not_abort(self):
+        self.end_with_daemons("[lambda s=small_scene(rng), d=Detector('cpu', threads=1): d.detect(s)"
+                              " for i in range(3)]")
+
+    def test_long_work_does_not_abort(self):
+        self.end_with_daemons("[lambda s=long_scene(), d=Detector('cpu', threads=1): "
+                              "d.detect(s, max_time_s=0.2)]")
+
+    def test_states_do_not_abort(self):
+        self.end_with_daemons("[lambda s=small_scene(rng), c=StateChecker('cpu', threads=1): "
+                              "c.check(s, [1], numpy.tile(numpy.eye(4), (9, 1, 1, 1)))]")
+
+    def test_functions_that_run_later_may_detect(self):
+        self.end_with("import atexit\n"
+                      "atexit.register(lambda: late())\n"
+                      "from threads_test import *\n"
+                      "def late(): assert Detector('cpu').detect(scene).complete\n"
+                      "scene = small_scene(numpy.random.default_rng(1))\n")
+
+
 class Lifetimes(unittest.TestCase):
 
     def test_results_outlive_detector_and_scene(self):
