@@ -329,6 +329,7 @@ DeformableMesh::ConstPtr BagCycles::nextPlayed(const ros::Time& stamp) {
     played_out_ = true;
     return nullptr;
   }
+  if (!frame->problem.empty() && ++undone_steps_.count == 1) undone_steps_.first = frame->problem;
   const auto message = boost::make_shared<DeformableMesh>();
   message->header.stamp = stamp;
   message->header.frame_id = played_->frame;

@@ -67,6 +67,13 @@ class BagCycles {
 
   std::uint64_t refusedTransforms() const { return refused_transforms_; }
 
+  // How often the simulation of the played object undid a step, and why it did so first.
+  struct UndoneSteps {
+    std::uint64_t count = 0;
+    std::string first;
+  };
+  const UndoneSteps& undoneSteps() const { return undone_steps_; }
+
  private:
   // A mesh that waits for its cycle.
   struct Event {
@@ -138,6 +145,7 @@ class BagCycles {
   bool at_end_ = false;                    // the bags are read to their end
   bool played_out_ = false;
   std::uint64_t cycle_ = 0, refused_transforms_ = 0;
+  UndoneSteps undone_steps_;
 };
 
 }  // namespace deformable_contact_monitor

@@ -3,7 +3,10 @@
 
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
@@ -18,6 +21,38 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void throwNotWritten(const std::string& path) {
   throw std::system_error(errno, std::generic_category(), path + ": cannot be written");
+}
+
+// The temporary names of unfinished files, for a signal that ends the process. What is beyond these
+// stays then.
+std::array<std::atomic<const char*>, 16> unfinished{};
+
+void endBySignal(int signal) {
+  for (const auto& name : unfinished) {
+    const char* const path = name;
+    if (path != nullptr) unlink(path);
+  }
+  std::raise(signal);  // its handler is the default one again
+}
+
+// Has unfinished files removed where Ctrl-C or kill ends the process. Handlers of others stay.
+void handleSignals() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction handler {};
+    sigaction(signal, nullptr, &handler);
+    if (handler.sa_handler != SIG_DFL) continue;
+    handler.sa_handler = endBySignal;
+    handler.sa_flags = static_cast<int>(SA_RESETHAND);
+    sigaction(signal, &handler, nullptr);
+  }
+}
+
+// Replaces a name, or nothing, by another one.
+void replaceUnfinished(const char* before, const char* after) {
+  for (auto& name : unfinished) {
+    const char* expected = before;
+    if (name.compare_exchange_strong(expected, after)) return;
+  }
 }
 
 }  // namespace
@@ -35,10 +70,14 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), temporary_(path) 
     if (!none) path_ = target.string();
   }
   temporary_ = path_ + "." + std::to_string(getpid()) + ".part";
+  replaceUnfinished(nullptr, temporary_.c_str());
+  handleSignals();
 }
 
 AtomicFile::~AtomicFile() {
-  if (isPlain() && !finished_) std::remove(temporary_.c_str());
+  if (!isPlain()) return;
+  if (!finished_) std::remove(temporary_.c_str());
+  replaceUnfinished(temporary_.c_str(), nullptr);
 }
 
 void AtomicFile::finish() {

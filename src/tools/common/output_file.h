@@ -10,8 +10,9 @@
 namespace deformable_contact_monitor {
 
 // Owns the temporary name of a file until the file is complete. Write to writtenAs(), close it, and
-// call finish(), which renames it; the destructor removes an unfinished file. What is not a plain
-// file (a device, a pipe) is written to directly. A symbolic link to a file stays a link.
+// call finish(), which renames it; the destructor removes an unfinished file, and so do SIGINT,
+// SIGTERM and SIGHUP where they end the process. What is not a plain file (a device, a pipe) is
+// written to directly. A symbolic link to a file stays a link.
 class AtomicFile {
  public:
   // Throws std::system_error that names `path` if that file exists and may not be written.

@@ -208,6 +208,13 @@ struct Scanned {
   std::vector<RunSettings> settings;
 };
 
+// Says that the simulated object did not always move as the links pushed it.
+void warnOfUndoneSteps(const BagCycles::UndoneSteps& undone, const std::string& object) {
+  if (undone.count == 0) return;
+  warn("object '" + object + "': the simulation undid a step in " + std::to_string(undone.count) +
+       " of its states, and the object stayed where it was; the first time: " + undone.first);
+}
+
 // Evaluates the bags. Returns the exit code.
 int evaluate(const EvaluateArguments& arguments) {
   const Stopwatch stopwatch;
@@ -233,6 +240,7 @@ int evaluate(const EvaluateArguments& arguments) {
   });
   tables.finish();
   bags.progress.reset();
+  warnOfUndoneSteps(cycles.undoneSteps(), arguments.object.name);
   // A damaged bag is read twice, and the two readings may end differently.
   if (end.problem.empty()) end.problem = bags.contents.problem;
 

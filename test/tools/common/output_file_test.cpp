@@ -141,5 +141,32 @@ TEST_F(OutputFileTest, APartHasItsNameFromTheEndOn) {
   EXPECT_EQ(names(), std::vector<std::string>{"file"});
 }
 
+TEST_F(OutputFileTest, ASignalLeavesNoPart) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const auto end = [&] {
+      const AtomicFile finished(path("first"));
+      AtomicFile part(path());
+      TableFile table(path("table"));
+      table.line("a");
+      std::ofstream(part.writtenAs()) << "half";
+      if (names().size() != 2) _exit(1);
+      std::raise(signal);
+    };
+    EXPECT_EXIT(end(), testing::KilledBySignal(signal), "");
+    EXPECT_EQ(names(), std::vector<std::string>{});
+  }
+}
+
+TEST_F(OutputFileTest, ASignalThatIsHandledEndsNothing) {
+  void (*const before)(int) = std::signal(SIGTERM, SIG_IGN);
+  AtomicFile part(path());
+  std::ofstream(part.writtenAs()) << "whole";
+  std::raise(SIGTERM);
+  EXPECT_EQ(names().size(), 1U);
+  part.finish();
+  std::signal(SIGTERM, before);
+  EXPECT_EQ(textOf(path()), "whole");
+}
+
 }  // namespace
 }  // namespace deformable_contact_monitor

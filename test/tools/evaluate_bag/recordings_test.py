@@ -258,6 +258,16 @@ class Recordings(EvaluationCase):
         self.assertEqual((run["cycles"], run["complete_cycles"]), (17, 17))
         self.assertIn("stand where /joint_states and the URDF say", done.stdout)
 
+    def test_a_simulation_that_undoes_steps_says_so(self):
+        events = self.joint_events()
+        for number, (_, _, state) in enumerate(events):
+            state.position = [3 * (number % 2) + position for position in state.position]
+        bag = self.bag("leaps.bag", events)
+        done = self.run_tool(bag, "--robot-description", self.scene.panda.urdf, "--object", "cloth", "--vertices", "256",
+                             "--offset", "0.4", "0", "0.7", "--rate", "50")
+        self.assertRegex(done.stderr, "warning: object 'cloth': the simulation undid a step in [1-9][0-9]* of its "
+                                      "states, and the object stayed where it was; the first time: .*would move at")
+
     def test_a_played_object_ends_with_the_transforms(self):
         """The robot's casters are the first whose transforms end."""
         summary = self.evaluate_pr2(str(DATA / "bags/pr2_arms_and_pressure.bag"), "--object", "cloth", "--vertices", "36",
