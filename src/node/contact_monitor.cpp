@@ -101,6 +101,7 @@ ContactMonitor::~ContactMonitor() {
   watch_spinner_.stop();
   robot_source_.stop();
   reload_spinner_.stop();
+  attach_spinner_.stop();
   diagnostics_timer_.stop();
   requests_.stop();
   state_service_->stop();
@@ -260,19 +261,21 @@ void ContactMonitor::subscribeToMeshes() {
   }
 }
 
-// Serves ~reload_robot and ~check_states in threads of their own, all others in that of the
-// callbacks.
+// Serves ~reload_robot, ~attach_object and ~check_states in threads of their own, all others in
+// that of the callbacks.
 void ContactMonitor::advertiseServices() {
-  ros::NodeHandle reload_node(private_node_);
+  ros::NodeHandle reload_node(private_node_), attach_node(private_node_);
   reload_node.setCallbackQueue(&reload_queue_);
+  attach_node.setCallbackQueue(&attach_queue_);
   services_ = {private_node_.advertiseService("set_allowed_contacts",
                                               &ContactMonitor::setAllowedContacts, this),
-               private_node_.advertiseService("attach_object", &ContactMonitor::attachObject, this),
+               attach_node.advertiseService("attach_object", &ContactMonitor::attachObject, this),
                private_node_.advertiseService("get_contacts", &ContactMonitor::getContacts, this),
                private_node_.advertiseService("set_enabled", &ContactMonitor::setEnabled, this),
                private_node_.advertiseService("reset", &ContactMonitor::requestReset, this),
                reload_node.advertiseService("reload_robot", &ContactMonitor::reloadRobot, this)};
   reload_spinner_.start();
+  attach_spinner_.start();
   state_service_ = std::make_unique<StateService>(
       parameters_,
       QuestionSources{requests_, meshes_, buffer_, [this] { return robot_source_.newest(); },
@@ -312,6 +315,9 @@ bool ContactMonitor::attachObject(AttachObject::Request& request,
     }
   } catch (const std::invalid_argument& error) {
     response.message = error.what();
+  }
+  if (response.message.empty() && robot_source_.newest() != robot) {
+    response.message = "the robot changed meanwhile; ask again";
   }
   response.success = response.message.empty();
   if (response.success) {

@@ -64,7 +64,8 @@ class ContactMonitor {
   void advertiseServices();
 
   // Services. Each returns false only if roscpp shall report a failure without an answer. All but
-  // reloadRobot() run in the thread of the callbacks; reloadRobot() runs in the reload thread.
+  // reloadRobot() and attachObject(), which have threads of their own, run in that of the
+  // callbacks.
   bool setAllowedContacts(SetAllowedContacts::Request& request,
                           SetAllowedContacts::Response& response);
   bool attachObject(AttachObject::Request& request, AttachObject::Response& response);
@@ -108,10 +109,10 @@ class ContactMonitor {
   RobotSource robot_source_;
   NodeDiagnostics diagnostics_;
 
-  // ~reload_robot has a queue of its own: a robot with bad files takes long to read, and messages
-  // must go on meanwhile.
-  ros::CallbackQueue reload_queue_;
-  ros::AsyncSpinner reload_spinner_{1, &reload_queue_};
+  // ~reload_robot and ~attach_object have queues of their own: a robot with bad files takes long to
+  // read, and what a link holds of a large mesh to find. Messages must go on meanwhile.
+  ros::CallbackQueue reload_queue_, attach_queue_;
+  ros::AsyncSpinner reload_spinner_{1, &reload_queue_}, attach_spinner_{1, &attach_queue_};
 
   // The ROS master is asked in a thread of its own, because an answer may take long.
   ros::CallbackQueue watch_queue_;

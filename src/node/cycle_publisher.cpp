@@ -27,6 +27,19 @@ MarkerOptions markerOptions(const MonitorParameters& parameters) {
   return options;
 }
 
+// Returns what ~contacts says of a cycle whose findings are discarded: nothing is known.
+ContactArray discardedContacts(const CycleReport& report) {
+  CycleReport nothing;
+  nothing.header = report.header;
+  nothing.cycle = report.cycle;
+  nothing.now = report.now;
+  nothing.options = report.options;
+  nothing.backend = report.backend;
+  nothing.bodies = report.bodies;
+  for (BodyStatus& body : nothing.bodies) body.unknown_because = "discarded during the cycle";
+  return toContactArray(nothing, 0);
+}
+
 }  // namespace
 
 CyclePublisher::CyclePublisher(const MonitorParameters& parameters, ros::NodeHandle private_node,
@@ -49,42 +62,45 @@ CyclePublisher::CyclePublisher(const MonitorParameters& parameters, ros::NodeHan
 
 SteadyTime CyclePublisher::sendCycle(const CycleReport& report, SteadyTime start,
                                      SteadyTime mesh_arrival) {
-  const SteadyTime states_out = publishContactsAndStates(report);
+  const Published published = publishContactsAndStates(report);
   CycleTimes times;
-  times.states_s = toSeconds(states_out - mesh_arrival);
-  publishPatches(report);
+  times.states_s = toSeconds(published.states_out - mesh_arrival);
+  if (!states_.isDiscarded(report.epoch)) publishPatches(report);
   times.latency_s = secondsSince(mesh_arrival);
-  publishMarkers(report);
+  if (!states_.isDiscarded(report.epoch)) publishMarkers(report);
   checkBodies(report);
   times.work_s = secondsSince(start);
-  diagnostics_.recordCycle(report, *states_.contacts(), times);
+  diagnostics_.recordCycle(report, *published.contacts, times);
   diagnostics_.recordTrade(report, times.states_s);
-  return states_out;
+  return published.states_out;
 }
 
 void CyclePublisher::sendHeartbeat(const CycleReport& report) {
-  publishContactsAndStates(report);
-  diagnostics_.recordCycle(report, *states_.contacts(), CycleTimes());
+  diagnostics_.recordCycle(report, *publishContactsAndStates(report).contacts, CycleTimes());
 }
 
 // Makes and publishes both messages at the same time, in two threads, because ~contacts may hold
-// many pairs and must not delay ~contact_states. Returns when the states were out; the contacts are
-// out on return.
-SteadyTime CyclePublisher::publishContactsAndStates(const CycleReport& report) {
-  boost::shared_ptr<const ContactArray> contacts;
-  SteadyTime states_out;
+// many pairs and must not delay ~contact_states. Both are out on return. What a cycle found is not
+// published if a service has discarded it meanwhile.
+CyclePublisher::Published CyclePublisher::publishContactsAndStates(const CycleReport& report) {
+  Published out;
   parallelBoth(
       [&] {
-        contacts = boost::make_shared<const ContactArray>(toContactArray(report, max_contacts_));
-        contacts_publisher_.publish(contacts);
+        if (states_.isDiscarded(report.epoch)) {
+          out.contacts = boost::make_shared<const ContactArray>(discardedContacts(report));
+          return contacts_publisher_.publish(out.contacts);
+        }
+        out.contacts =
+            boost::make_shared<const ContactArray>(toContactArray(report, max_contacts_));
+        contacts_publisher_.publish(out.contacts);
         for (const SweepReport& sweep : report.sweeps) {
           swept_publisher_.publish(boost::make_shared<const SweptContacts>(
               toSweptContacts(report, sweep, max_contacts_)));
         }
       },
-      [&] { states_out = states_.publish(report); });
-  states_.setContacts(contacts);
-  return states_out;
+      [&] { out.states_out = states_.publish(report); });
+  states_.setContacts(out.contacts, report.epoch);
+  return out;
 }
 
 // Publishes the patches while somebody listens, also if there is none. Does not publish if no

@@ -63,9 +63,13 @@ class CyclePublisher : public CycleSink {
   void recordEnabled(bool enabled) override { diagnostics_.recordEnabled(enabled); }
 
  private:
+  struct Published {
+    boost::shared_ptr<const ContactArray> contacts;
+    SteadyTime states_out;
+  };
   // Parts of sendCycle(), in the order in which it calls them. A topic without subscribers costs
   // nothing for patches and markers; contacts and states are always made.
-  SteadyTime publishContactsAndStates(const CycleReport& report);
+  Published publishContactsAndStates(const CycleReport& report);
   void publishPatches(const CycleReport& report);
   void publishMarkers(const CycleReport& report);
   void checkBodies(const CycleReport& report);

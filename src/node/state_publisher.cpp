@@ -30,13 +30,16 @@ void StatePublisher::forget(const std::string& body, const std::string& reason) 
   const std::lock_guard<std::mutex> lock(mutex_);
   const ros::Time now = ros::Time::now();
   tracker_.forget(body, reason, now);
+  if (body.empty()) setContacts(nullptr, epoch_);
   publishLocked(now, now);
 }
 
 void StatePublisher::discard(const std::string& reason, std::uint64_t epoch) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const ros::Time now = ros::Time::now();
+  epoch_ = epoch;
   tracker_.discard(reason, now, epoch);
+  setContacts(nullptr, epoch);
   publishLocked(now, now);
 }
 
@@ -56,9 +59,10 @@ ContactStates StatePublisher::states() const {
   return tracker_.states(now, now);
 }
 
-void StatePublisher::setContacts(boost::shared_ptr<const ContactArray> contacts) {
+void StatePublisher::setContacts(boost::shared_ptr<const ContactArray> contacts,
+                                 std::uint64_t epoch) {
   const std::lock_guard<std::mutex> lock(contacts_mutex_);
-  contacts_ = std::move(contacts);
+  if (!isDiscarded(epoch)) contacts_ = std::move(contacts);
 }
 
 boost::shared_ptr<const ContactArray> StatePublisher::contacts() const {

@@ -6,6 +6,7 @@
 #include <deformable_contact_monitor/ContactStates.h>
 #include <ros/node_handle.h>
 
+#include <atomic>
 #include <cstdint>
 #include <mutex>
 #include <string>
@@ -27,11 +28,12 @@ class StatePublisher {
   // out.
   SteadyTime publish(const CycleReport& report);
 
-  // Forgets the states of the pairs of `body`, or of all if it is empty, and publishes that.
+  // Forgets the states of the pairs of `body`, or of all and the contacts too if it is empty, and
+  // publishes that.
   void forget(const std::string& body, const std::string& reason);
 
-  // Forgets all states and publishes that, as a service answers. Cycles of earlier epochs that are
-  // still running make nothing known any more.
+  // Forgets all states and contacts and publishes that, as a service answers. Cycles of earlier
+  // epochs that are still running make nothing known any more.
   void discard(const std::string& reason, std::uint64_t epoch);
 
   // Publishes the states if one of them has become too old, and at least once a second. A state
@@ -41,8 +43,12 @@ class StatePublisher {
   // Returns the states as they are now.
   ContactStates states() const;
 
-  // Keeps the contacts that were published last; null before the first cycle.
-  void setContacts(boost::shared_ptr<const ContactArray> contacts);
+  // Returns whether what a cycle of that epoch finds is discarded.
+  bool isDiscarded(std::uint64_t epoch) const { return epoch < epoch_; }
+
+  // Keeps the contacts that a cycle of that epoch published, unless they are discarded.
+  void setContacts(boost::shared_ptr<const ContactArray> contacts, std::uint64_t epoch);
+  // Returns the contacts that were published last; null if all are forgotten.
   boost::shared_ptr<const ContactArray> contacts() const;
 
  private:
@@ -56,6 +62,7 @@ class StatePublisher {
   std::mutex mutex_;  // makes messages go out in the order in which they were made
   SteadyTime last_;   // when the last states were published
 
+  std::atomic<std::uint64_t> epoch_{0};
   mutable std::mutex contacts_mutex_;
   boost::shared_ptr<const ContactArray> contacts_;
 };

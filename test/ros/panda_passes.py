@@ -13,6 +13,7 @@ import rostest
 from std_srvs.srv import Trigger
 
 from deformable_contact_monitor.msg import ContactEvent, SweptContacts
+from deformable_contact_monitor.srv import GetContacts
 from monitor_test_support import (
     PACKAGE, WAIT_S, ContactState, Log, MeshPublisher, Monitor, Transforms, executable, grid, now,
     oracle_pairs, pairs_of, posed_links, touching, until_frames_are_seen)
@@ -90,6 +91,8 @@ class PandaPasses(unittest.TestCase):
         for monitor in self.monitors:
             since = monitor.states.count()
             rospy.ServiceProxy(monitor.name + "/reset", Trigger)()
+            latest = rospy.ServiceProxy(monitor.name + "/get_contacts", GetContacts)()
+            self.assertFalse(latest.available and latest.contacts.complete)
             monitor.states.wait("the reset", since=since, wanted=lambda m: any(
                 state.reason == "reset" for state in m.states))
         before = now(self.stamp)

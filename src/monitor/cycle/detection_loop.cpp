@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "monitor/input/mesh_adapters.h"
+#include "monitor/input/usable_stamp.h"
 #include "monitor/rules/rule_texts.h"
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr double kMaxAheadS = 1;  // as for meshes
 constexpr char kNoClock[] = "no clock: use_sim_time is set, and nothing came on /clock";
 
 }  // namespace
@@ -256,9 +256,8 @@ void DetectionLoop::lookAtRobotsTime() {
   if (!live_.pair_classes.needRobotCycles() || robot_ == nullptr || !mayLook()) return;
   if (scheduler_.hasRequest(robot) || !scheduler_.mayAdd(robot, now) || now < robots_look_) return;
   robots_look_ = now + fromSeconds(1 / live_.robot_rate_hz);
-  const std::optional<ros::Time> stamp = robotsStamp();
+  const std::optional<ros::Time> stamp = nextRobotsStamp();
   if (!stamp) return;
-  robots_stamp_ = *stamp;
   CycleRequest request;
   request.mesh.arrival = now;
   request.stamp = *stamp;
@@ -267,9 +266,9 @@ void DetectionLoop::lookAtRobotsTime() {
 }
 
 // Returns the stamp of the robot's next cycle: the newest at which the links' transforms are known,
-// or the present if that is far ahead of the clock, as such a state would never become too old.
-// Nothing: a cycle of that stamp is done, or the transforms are too old.
-std::optional<ros::Time> DetectionLoop::robotsStamp() const {
+// or the present if these are too old, so that the cycle says which are, or far ahead of the clock,
+// as such a state would never become too old. Nothing: a cycle of that stamp is done.
+std::optional<ros::Time> DetectionLoop::nextRobotsStamp() {
   const std::vector<std::string> frames = scene_.framesOfRobotCycle();
   if (frames.empty()) return std::nullopt;
   const ros::Time now = clock_.rosTime();
@@ -279,9 +278,11 @@ std::optional<ros::Time> DetectionLoop::robotsStamp() const {
   const auto of_links = lookup_.newestCommon(scene_.framesOfRobotCycle(false), window_s);
   if (newest && of_links && !of_links->isZero()) newest = std::min(*newest, *of_links);
   if (!newest || newest->isZero()) return now.isZero() ? std::nullopt : std::optional(now);
-  if (!now.isZero() && secondsBetween(*newest, now) > kMaxAheadS) return now;
-  const bool is_old = !now.isZero() && secondsBetween(now, *newest) > parameters_.max_mesh_age_s;
-  return *newest > robots_stamp_ && !is_old ? newest : std::nullopt;
+  const double age_s = now.isZero() ? 0 : secondsBetween(now, *newest);
+  if (age_s > window_s || age_s < -kMaxAheadS) return now;
+  if (*newest <= robots_stamp_) return std::nullopt;
+  robots_stamp_ = *newest;
+  return newest;
 }
 
 // Starts the cycle of these objects, or of the robot. It counts from the arrival of their first

@@ -80,7 +80,7 @@ class DetectionLoop {
   void lookAtDeletion(std::size_t object);
   ros::Time cycleStamp(const ros::Time& stamp, bool rejected) const;
   void lookAtRobotsTime();
-  std::optional<ros::Time> robotsStamp() const;
+  std::optional<ros::Time> nextRobotsStamp();
   void takeTurn(const std::vector<std::size_t>& who);
   double mostS(const std::vector<std::size_t>& who) const;
   TransformReport prepare(const ros::Time& t, const CycleTrigger& trigger);

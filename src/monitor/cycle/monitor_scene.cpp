@@ -289,8 +289,17 @@ std::vector<std::string> MonitorScene::framesOfRobotCycle(bool with_rigid) const
 
 TransformReport MonitorScene::prepare(const ros::Time& t, const CycleTrigger& trigger,
                                       const MeshInputs& inputs, const TransformLookup& lookup) {
+  const auto isPosed = [&](const IncomingMesh& mesh) {
+    const FrameAtStamp frame{plainFrame(mesh.message->header.frame_id), mesh.stamp()};
+    return lookup.lookup({frame}).front().outcome == PoseAnswer::Outcome::kFound;
+  };
   const auto newest = [&](std::size_t object, std::string* why_not) {
-    return inputs[object].newestAt(t, why_not);
+    const auto& own = trigger.objects;
+    if (std::find(own.begin(), own.end(), object) != own.end()) {
+      return inputs[object].newestAt(t, why_not);
+    }
+    // The newest mesh of a partner may still wait for its transform, and for a cycle of its own.
+    return inputs[object].newestAt(t, why_not, isPosed);
   };
   return prepareChosen(t, trigger, newest, lookup);
 }

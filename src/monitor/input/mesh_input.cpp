@@ -9,13 +9,15 @@
 #include <utility>
 
 #include "core/triangle_mesh.h"
+#include "monitor/input/usable_stamp.h"
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr std::size_t kMaxAccepted = 32;  // bounds memory; at 60 Hz it is half a second
-constexpr double kMaxAheadS = 1;
+// So many meshes are kept. They bound memory; at 60 Hz, the most are half a second. The least are
+// those that may wait for late transforms.
+constexpr std::size_t kLeastAccepted = 4, kMaxAccepted = 32;
 
 // Returns the bytes that keeping a mesh costs.
 std::size_t arrayBytes(const DeformableMesh& message) {
@@ -237,7 +239,8 @@ bool MeshInput::keep(const IncomingMesh& mesh) {
   std::size_t bytes = 0;
   for (const IncomingMesh& kept : accepted_) bytes += arrayBytes(*kept.message);
   while (accepted_.size() > 1 &&
-         (accepted_.size() > kMaxAccepted || bytes > history_bytes_ ||
+         (accepted_.size() > kMaxAccepted ||
+          (bytes > history_bytes_ && accepted_.size() > kLeastAccepted) ||
           nanosecondsBetween(mesh.stamp(), accepted_.front().stamp()) > max_age_ns_)) {
     bytes -= arrayBytes(*accepted_.front().message);
     accepted_.pop_front();
@@ -246,11 +249,20 @@ bool MeshInput::keep(const IncomingMesh& mesh) {
 }
 
 // The search starts at the newest mesh, where it nearly always ends.
-const IncomingMesh* MeshInput::newestAt(const ros::Time& t, std::string* why_not) const {
+const IncomingMesh* MeshInput::newestAt(
+    const ros::Time& t, std::string* why_not,
+    const std::function<bool(const IncomingMesh&)>& preferred) const {
+  const auto isYoung = [&](const IncomingMesh& mesh) {
+    return nanosecondsBetween(t, mesh.stamp()) <= max_age_ns_;
+  };
   const auto found = std::find_if(accepted_.rbegin(), accepted_.rend(),
                                   [&t](const IncomingMesh& mesh) { return mesh.stamp() <= t; });
-  if (found != accepted_.rend() && nanosecondsBetween(t, found->stamp()) <= max_age_ns_) {
-    return &*found;
+  if (found != accepted_.rend() && isYoung(*found)) {
+    if (!preferred) return &*found;
+    const auto best = std::find_if(found, accepted_.rend(), [&](const IncomingMesh& mesh) {
+      return !isYoung(mesh) || preferred(mesh);
+    });
+    return best != accepted_.rend() && isYoung(*best) ? &*best : &*found;
   }
   const std::string problem = counters().problem;
   if (!problem.empty()) {

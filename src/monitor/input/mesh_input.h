@@ -44,7 +44,7 @@ enum class Acceptance {
 
 struct MeshLimits {
   double max_age_s = 0.5;
-  std::size_t history_bytes = std::size_t{512} << 20U;  // the newest mesh is always kept
+  std::size_t history_bytes = std::size_t{512} << 20U;  // the newest four are always kept
 };
 
 // Holds the newest mesh that arrived until the detection thread takes it, and those that this
@@ -96,9 +96,12 @@ class MeshInput {
   // Counts a mesh that was taken and accepted, but is dropped before its cycle.
   void countDropped();
 
-  // Returns the newest accepted mesh with a stamp in [t - max_age_s, t], or null and why. The
-  // pointer is valid until the next call of take() or forget().
-  const IncomingMesh* newestAt(const ros::Time& t, std::string* why_not) const;
+  // Returns the newest accepted mesh with a stamp in [t - max_age_s, t], or null and why. If some
+  // of these are `preferred`, it is the newest of them. The pointer is valid until the next call of
+  // take() or forget().
+  const IncomingMesh* newestAt(
+      const ros::Time& t, std::string* why_not,
+      const std::function<bool(const IncomingMesh&)>& preferred = nullptr) const;
   // Returns whether an accepted mesh of exactly that stamp is kept.
   bool has(const ros::Time& stamp) const;
 

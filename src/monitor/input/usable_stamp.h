@@ -1,4 +1,4 @@
-// Decides which stamps of moving transforms are accepted.
+// Decides which stamps are accepted: those of meshes and of moving transforms.
 #pragma once
 
 #include <ros/time.h>
@@ -7,11 +7,13 @@
 
 namespace deformable_contact_monitor {
 
+// How far ahead of the clock a stamp may be [s]. Clocks of machines differ a little, and some
+// publishers predict. What is stamped further ahead comes from a clock that is wrong: it would tell
+// where things were as if they were there now.
+constexpr double kMaxAheadS = 1;
+
 // Returns whether a transform with that stamp may enter the buffer at `now` (zero: no clock yet).
-// tf2 keeps transforms within some seconds of the newest one, so a stamp from far ahead of the
-// clock would exclude all that follow.
 inline bool isUsableStamp(const ros::Time& stamp, const ros::Time& now) {
-  constexpr double kMaxAheadS = 5;  // tf2 keeps 10 s
   return now.isZero() || secondsBetween(stamp, now) <= kMaxAheadS;
 }
 

@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "monitor/input/usable_stamp.h"
 #include "monitor/planning/answer_writer.h"
 #include "monitor/state/rejected_sides.h"
 #include "monitor/time_difference.h"
@@ -47,8 +48,7 @@ void requireNumbers(const StatesToCheck& question) {
 // Returns why something of that age says nothing about the present; empty: it does. After the clock
 // went back, what is ahead of it is of the time before.
 std::string presentProblem(const std::string& what, double age_s, double max_age_s) {
-  constexpr double kMostAheadS = 1;  // as for cycles
-  const bool is_ahead = age_s < -kMostAheadS;
+  const bool is_ahead = age_s < -kMaxAheadS;
   if (age_s <= max_age_s && !is_ahead) return "";
   char text[64];
   std::snprintf(text, sizeof text, " %.3f s %s", std::abs(age_s),
@@ -375,7 +375,7 @@ void StateQuestions::checkStates(const StatesToCheck& question, const StatesAske
   StateBatch batch;
   batch.moved = posedBodies(asked);
   StateOptions options;
-  options.nearest = !question.first_only && question.margin != 0;
+  options.nearest = question.margin != 0;
   options.pairs = !question.first_only && !options.nearest;
   options.threads = threads_;
   options.limits = limits;

@@ -9,12 +9,11 @@
 #include <tuple>
 #include <utility>
 
+#include "monitor/input/usable_stamp.h"
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
 namespace {
-
-constexpr double kMaxAheadS = 1;  // of the clock, as for meshes
 
 // Returns whether each body that is not known is an object that did not trigger this cycle. Such an
 // object has cycles of its own, which tell more about the pair.
@@ -87,6 +86,8 @@ void ContactStateTracker::update(const CycleReport& report) {
   const std::lock_guard<std::mutex> lock(mutex_);
   frame_ = report.header.frame_id;
   cycle_ = report.cycle;
+  is_list_ = std::none_of(report.bodies.begin(), report.bodies.end(),
+                          [](const BodyStatus& body) { return body.triggered; });
   listPairs(report);
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     updateTrack(report, statePair(report, i), found, &tracks_[i]);
@@ -146,7 +147,7 @@ void ContactStateTracker::updateTrack(const CycleReport& report, const Monitored
   }
   const std::string problem = bodyProblem(report, pair);
   if (!isOfCycle(report.bodies, pair) || (!problem.empty() && isPartnersProblem(report, pair))) {
-    if (!problem.empty() && !track->isKnown()) track->state.reason = problem;
+    noteBodyProblem(problem, track);
     return;
   }
   if (report.epoch < epoch_) return;
@@ -165,6 +166,20 @@ void ContactStateTracker::updateTrack(const CycleReport& report, const Monitored
   const std::uint8_t before = track->state.state;
   enter(std::move(state), goes_on ? track->entered_before : report.header.stamp, track);
   debounce(report.header.stamp, before, interval.first_low, track);
+}
+
+// Keeps the reason of an UNKNOWN pair up to date between its cycles. `problem`: why one of its
+// bodies is not known; empty: the report knows no reason. The list of all pairs looks at the meshes
+// of all objects, so what it said before is over then.
+void ContactStateTracker::noteBodyProblem(const std::string& problem, Track* track) const {
+  if (track->isKnown()) return;
+  if (!problem.empty()) {
+    track->state.reason = problem;
+  } else if (is_list_ && !track->listed_problem.empty() &&
+             track->state.reason == track->listed_problem) {
+    track->state.reason = "not looked at yet";
+  }
+  if (is_list_) track->listed_problem = problem;
 }
 
 // Adds to a state what the time interval before it says. Returns false if the pair is UNKNOWN

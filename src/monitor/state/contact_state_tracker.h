@@ -82,8 +82,9 @@ class ContactStateTracker {
     // For an UNKNOWN state: the state before it (UNKNOWN if there is none), and when it began.
     std::uint8_t state_before = ContactState::UNKNOWN;
     ros::Time entered_before;
-    bool open = false;  // BEGIN was sent, END was not
-    int cycles = 0;     // cycles in a row that speak for a change of `open`
+    bool open = false;           // BEGIN was sent, END was not
+    int cycles = 0;              // cycles in a row that speak for a change of `open`
+    std::string listed_problem;  // why a body was not known when all pairs were listed last
     // What the state leaves out because the pair's link holds it; null: nothing.
     std::shared_ptr<const HeldPart> held;
 
@@ -99,6 +100,7 @@ class ContactStateTracker {
   bool applyInterval(const CycleReport& report, const IntervalFinding& interval,
                      ContactState* state, Track* track);
   void updateOlder(const CycleReport& report, const IntervalFinding& interval, Track* track);
+  void noteBodyProblem(const std::string& problem, Track* track) const;
   bool resumes(const ContactState& state, const ros::Time& now, const Track& track) const;
   void enter(ContactState state, const ros::Time& when, Track* track);
   void interrupt(std::uint8_t state, const std::string& reason, const ros::Time& now, Track* track);
@@ -111,6 +113,7 @@ class ContactStateTracker {
   mutable std::mutex mutex_;  // guards all that follows
   std::string frame_;         // frame and number of the last report's cycle
   std::uint64_t cycle_ = 0, epoch_ = 0;
+  bool is_list_ = false;       // the last report is no cycle, but lists all pairs
   std::vector<Track> tracks_;  // in the order of the last report's pairs
   std::vector<ContactEvent> events_;
 };

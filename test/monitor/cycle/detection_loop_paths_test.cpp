@@ -140,5 +140,26 @@ TEST_F(PathsTest, TheRobotsOwnCycleIsOfThePresentIfTransformsAreFarAheadOfTheClo
   EXPECT_EQ(stepAfter(200).back(), "cycle 50: *link0@50 *link1@50 cloth cable");
 }
 
+// It then says which transforms are late.
+TEST_F(PathsTest, TheRobotsOwnCycleIsOfThePresentIfTransformsAreTooOld) {
+  useRobot(2);
+  parameters_.pair_classes = {false, false, false, true};
+  addTransform(&transforms_, "link0", 49);
+  addTransform(&transforms_, "link1", 49);
+  const auto isOfThePresent = [this](int ms) {
+    const Lines lines = stepAfter(ms, ms);
+    const std::string late = "TF from 'link0' to 'base' is late: wanted " +
+                             std::to_string(ros_time_.toSec()).substr(0, 6);
+    return !lines.empty() && lines.back().find(late) != std::string::npos;
+  };
+  EXPECT_TRUE(isOfThePresent(0));
+  EXPECT_TRUE(isOfThePresent(100));
+  // Those that come with a delay are news all the same.
+  for (const char* const link : {"link0", "link1"}) addTransform(&transforms_, link, 50.0625);
+  EXPECT_EQ(stepAfter(100, 25).back(), "cycle 50.0625: *link0@50.0625 *link1@50.0625 cloth cable");
+  EXPECT_TRUE(stepAfter(100, 100).empty()) << "nothing new";
+  EXPECT_TRUE(isOfThePresent(500)) << "they have stopped";
+}
+
 }  // namespace
 }  // namespace deformable_contact_monitor

@@ -158,6 +158,27 @@ TEST_F(MonitorSceneTest, APartnerThatIsTooOldIsUnknownAndOff) {
   EXPECT_NE(unknown(kCable), "");
 }
 
+// Its newest mesh has a cycle of its own when its transform has come.
+TEST_F(MonitorSceneTest, APartnerWhoseTransformIsLateIsWhereItWasBefore) {
+  parameters_.pair_classes.deformable_deformable = true;
+  scene_.setRobot(robot());
+  for (const char* link : {"arm", "hand"}) pose(link, 10, 0);
+  give(0, 10);
+  give(1, 9.8, "camera");
+  give(1, 9.9, "camera");
+  pose("camera", 9.8, 3);
+  EXPECT_TRUE(prepare(10).misses.empty());
+  EXPECT_TRUE(on(kCloth, kCable));
+  EXPECT_EQ(unknown(kCable), "");
+  EXPECT_EQ(scene_.bodies()[kCable].stamp, ros::Time(9.8));
+  EXPECT_EQ(scene_.scene().body(kCable).pose.translation[0], 3);
+  EXPECT_EQ(prepare(10, {{kCableObject}, false}).misses.size(), 1U) << "in a cycle of its own";
+  EXPECT_FALSE(on(kCloth, kCable));
+  pose("camera", 9.9, 4);
+  prepare(10);
+  EXPECT_EQ(scene_.bodies()[kCable].stamp, ros::Time(9.9));
+}
+
 TEST_F(MonitorSceneTest, TheRobotsOwnCycleIsOfItsLinks) {
   parameters_.pair_classes.robot_self = true;
   scene_.setRobot(robot());

@@ -437,7 +437,30 @@ TEST_F(MeshInputTest, HistoryIsBoundedInNumberAndBytes) {
   };
   EXPECT_EQ(oldestOf({60, 1U << 20U}), 68) << "32 of them";
   EXPECT_EQ(oldestOf({60, 10 * (4 * 12 + 4 * 3)}), 90) << "ten meshes of 60 bytes";
-  EXPECT_EQ(oldestOf({60, 0}), 99) << "the newest is always kept";
+  EXPECT_EQ(oldestOf({60, 0}), 96) << "the newest four are always kept";
+}
+
+TEST_F(MeshInputTest, AmongThoseThatAreYoungEnoughAPreferredOneIsChosen) {
+  for (const double t_s : {49.0, 49.8, 49.9, 50.0}) give(keyframe(t_s));
+  std::vector<double> asked;
+  double preferred_s = 49.8;
+  const auto stampAt = [&](double t_s) {
+    asked.clear();
+    const IncomingMesh* const mesh =
+        input_.newestAt(ros::Time(t_s), &why_not_, [&](const IncomingMesh& one) {
+          asked.push_back(one.stamp().toSec());
+          return asked.back() == preferred_s;
+        });
+    return mesh == nullptr ? 0 : mesh->stamp().toSec();
+  };
+  EXPECT_EQ(stampAt(50), 49.8);
+  EXPECT_EQ(asked, (std::vector<double>{50, 49.9, 49.8}));
+  preferred_s = 50;
+  EXPECT_EQ(stampAt(50), 50);
+  EXPECT_EQ(stampAt(49.95), 49.9) << "none is preferred";
+  preferred_s = 49;
+  EXPECT_EQ(stampAt(50), 50) << "that one is too old";
+  EXPECT_EQ(stampAt(48), 0);
 }
 
 }  // namespace

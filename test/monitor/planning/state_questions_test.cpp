@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <random>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -66,6 +67,24 @@ TEST_F(StateQuestionsTest, StatesAreThoseOfCycles) {
     EXPECT_EQ(answer.object[i], "cloth");
   }
   EXPECT_EQ(counts.size(), 3U);
+}
+
+TEST_F(StateQuestionsTest, WithoutNamesStatesAreDecidedAlike) {
+  StatesToCheck question;
+  question.joint_names = {"turn"};
+  for (int i = 0; i <= 20; ++i) question.positions.push_back(-2 + 0.2 * i);
+  std::set<std::string> all;
+  for (const float margin : {0.0F, 0.05F, 0.25F, 1.0F, -1.0F}) {
+    question.margin = margin;
+    question.first_only = false;
+    const std::string expected = states(questions().answer(question));
+    question.first_only = true;
+    const StatesChecked answer = questions().answer(question);
+    EXPECT_EQ(states(answer), expected) << margin;
+    EXPECT_TRUE(answer.distance.empty() && answer.link.empty() && answer.object.empty());
+    all.insert(expected);
+  }
+  EXPECT_EQ(all.size(), 3U) << "the margins make a difference";
 }
 
 TEST_F(StateQuestionsTest, RulesPartsAndHoldsAreThoseInForce) {

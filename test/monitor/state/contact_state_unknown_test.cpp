@@ -170,6 +170,27 @@ TEST(ContactStateTrackerTest, whatIsFoundWithAnOldMeshOfThePartnerGrowsOldWithIt
 }
 
 // Until the monitor has noticed that the clock went back, states would never become too old.
+// As a list of pairs comes between cycles: it says why, and when that is over.
+TEST(ContactStateTrackerTest, theReasonGoesWhenItsCauseHasGone) {
+  SampleReport sample;
+  for (BodyStatus& body : sample.report.bodies) body.triggered = false;
+  ContactStateTracker tracker(rules(1, 1));
+  const auto reasonWith = [&](const std::string& problem) {
+    sample.report.bodies[2].unknown_because = problem;
+    return take(&tracker, sample.report).states[kHandCloth].reason;
+  };
+  EXPECT_EQ(reasonWith(""), "not looked at yet");
+  EXPECT_EQ(reasonWith("no mesh yet"), "cloth: no mesh yet");
+  EXPECT_EQ(reasonWith("mesh refused"), "cloth: mesh refused");
+  sample.report.bodies[0].triggered = true;
+  EXPECT_EQ(reasonWith(""), "cloth: mesh refused") << "a cycle of others does not look at it";
+  sample.report.bodies[0].triggered = false;
+  EXPECT_EQ(reasonWith(""), "not looked at yet");
+  take(&tracker, SampleReport().report);
+  tracker.forget("", "reset", sample.report.now);
+  EXPECT_EQ(reasonWith(""), "reset") << "that is no body's";
+}
+
 TEST(ContactStateTrackerTest, whatIsFarAheadOfTheClockIsNotKnown) {
   SampleReport sample;
   ContactStateTracker tracker(rules(1, 1));
