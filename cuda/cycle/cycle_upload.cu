@@ -116,6 +116,7 @@ void CycleUpload::setParams(const Options& options, const CycleLimit& limit) {
   params.limited = limit.isSet() ? 1 : 0;
   params.partition = partition_;
   params.any_self = scene.anySelf() ? 1 : 0;
+  params.identities = scene.searchesEqualVertices(options) ? 1 : 0;
   params.fans = scene.anySelf() && asksForFans(options) ? 1 : 0;
 }
 
@@ -160,6 +161,9 @@ void CycleUpload::sizeBins(const Options& options, bool new_clusters) {
 }
 
 void CycleUpload::endCycle(const Options& options, bool started_cold) {
+  if (cycle_.params[0].identities != 0 && options.motion == Motion::kInstant) {
+    cycle_.scene.setRepeatedVertices(cycle_.counted().repeated_vertices);
+  }
   inspector_.endCycle(cycle_.counted(), options, cycle_.sizes.clusters,
                       cycle_.arrays.clusters.sample_count, cycle_.scene.triangleCount(),
                       started_cold);

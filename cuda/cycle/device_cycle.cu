@@ -39,7 +39,7 @@ void DeviceCycle::start(const CycleShape& shape) {
 CycleShape DeviceCycle::shapeOf(const Options& options, int refinements) const {
   CycleShape shape;
   shape.device = device;
-  shape.identify = scene.anySelf();
+  shape.identify = scene.searchesEqualVertices(options);
   shape.refinements = refinements;
   shape.swept = options.motion == Motion::kSwept;
   shape.adjacent = scene.anySelf() && options.adjacent == AdjacentPairs::kBeyondShared;

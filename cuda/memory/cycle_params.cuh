@@ -44,6 +44,7 @@ struct CycleParams {
   std::uint32_t unit_columns;  // a multiple of kLeastUnitColumns
   std::uint32_t index_bits;    // of a triangle's number, in the key of a contact
   std::uint32_t any_self;      // 1 if some body may have contacts with itself
+  std::uint32_t identities;    // 1 if tiles.ids tells which vertices are equal
   std::uint32_t fans;          // 1 if certified fans decide pairs that share vertices
   std::uint32_t limited;       // 1 if the host may end the cycle early (stages/cut_off.cuh)
   std::uint32_t first_times;   // in swept motion: 1 if the user asks for contact times
@@ -91,6 +92,7 @@ struct alignas(kLine) CycleCounters {
   unsigned long long examined;    // the candidates of all passes
   unsigned long long unexamined;  // candidates without room, which get no verdict
   alignas(kLine) std::uint32_t far_vertices;
+  std::uint32_t repeated_vertices;  // vertices that equal another one; not in swept motion
   alignas(kLine) std::uint32_t list_words;
   alignas(kLine) std::uint32_t units;
   alignas(kLine) std::uint32_t units_taken;

@@ -127,6 +127,7 @@ DeviceScene::Change DeviceScene::changeOf(const std::vector<LaidOutBody>& before
 DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   const std::vector<LaidOutBody> before = laid_out_ ? laid_out_bodies_ : std::vector<LaidOutBody>();
   laid_out_ = has_fans_ = bodies_sent_ = false;  // until the new layout is complete
+  repeated_vertices_ = kNotCounted;
   pairs_ = scene.enabledPairs();
   disabled_parts_ = scene.disabledParts();
   parts_.clear();
@@ -197,6 +198,13 @@ void DeviceScene::growArrays(cudaStream_t stream) {
   memory_.grow(sizes_, stream);
   staged_bodies_.grow(sizes_.bodies);
   if (sizes_.swept) staged_earlier_bodies_.grow(sizes_.bodies);
+}
+
+bool DeviceScene::searchesEqualVertices(const Options& options) const {
+  if (!tables_.any_self || tables_.any_self_mesh) return tables_.any_self;
+  if (options.adjacent != AdjacentPairs::kSkip || options.motion == Motion::kSwept) return true;
+  constexpr std::uint32_t kFewOf = 8;
+  return repeated_vertices_ > tables_.vertex_count / kFewOf;
 }
 
 void DeviceScene::makeTiles(cudaStream_t stream) {

@@ -74,6 +74,13 @@ class DeviceScene {
   std::uint32_t triangleCount() const { return arrays_.triangle_count; }
   std::uint32_t groupCount() const { return tables_.group_count; }
   bool anySelf() const { return tables_.any_self; }
+  // Returns whether a cycle searches for equal vertices before it sweeps. It does not if pairs of
+  // triangles that share a vertex are skipped and few can share one: if no two triangles use a
+  // vertex by the same number, and a cycle of this layout found few equal vertices. Then the
+  // vertices of the pairs that pass the filters are compared, which is faster.
+  bool searchesEqualVertices(const Options& options) const;
+  // Remembers how many vertices a cycle found that are equal to another one.
+  void setRepeatedVertices(std::uint32_t count) { repeated_vertices_ = count; }
   // Returns whether the scene that was sent has margins within which pairs are listed, and pads.
   BodyLengths anyLengths() const { return any_; }
 
@@ -89,6 +96,8 @@ class DeviceScene {
   }
 
  private:
+  static constexpr std::uint32_t kNotCounted = ~std::uint32_t{0};
+
   // One body of the layout, and the topology that it was laid out with.
   struct LaidOutBody {
     BodyId id;
@@ -120,12 +129,13 @@ class DeviceScene {
 
   bool laid_out_ = false;  // everything of the layout is on the device
   SceneTables tables_;
-  std::uint32_t first_new_ = 0;       // the first body whose corners must be sent
-  std::uint32_t tiled_ = 0;           // the number of bodies that have tiles
-  std::uint32_t deformed_ = 0;        // cycles that sent vertices since the tiles were built
-  bool has_fans_ = false;             // the vertex rings are on the device
-  bool bodies_sent_ = false;          // the bodies in staged_bodies_ are on the device
-  std::uint64_t pairs_revision_ = 0;  // of the enabled pairs
+  std::uint32_t first_new_ = 0;  // the first body whose corners must be sent
+  std::uint32_t tiled_ = 0;      // the number of bodies that have tiles
+  std::uint32_t deformed_ = 0;   // cycles that sent vertices since the tiles were built
+  bool has_fans_ = false;        // the vertex rings are on the device
+  bool bodies_sent_ = false;     // the bodies in staged_bodies_ are on the device
+  std::uint32_t repeated_vertices_ = kNotCounted;  // by a cycle of this layout
+  std::uint64_t pairs_revision_ = 0;               // of the enabled pairs
   std::vector<std::pair<BodyId, BodyId>> pairs_;
   std::vector<PartPair> disabled_parts_;
   std::vector<std::uint64_t> parts_;          // Body::parts_revision, for each body of the scene

@@ -44,6 +44,9 @@ void SceneTables::addPairs(const Scene& scene, const BodyGroups& groups, BodyInd
   DeviceBody body{};
   body.has_self = scene.pairEnabled(a, a) ? 1 : 0;
   any_self = any_self || body.has_self != 0;
+  const TriangleMesh& mesh = scene.body(a).mesh;
+  const bool is_soup = mesh.vertexCount() >= 3 * mesh.triangleCount();
+  any_self_mesh = any_self_mesh || (body.has_self != 0 && !is_soup);
   body.group = groupOf(a);
   body.partner_begin = static_cast<std::uint32_t>(partners.size());
   for (std::uint32_t j = 0; j < taking_part.size(); ++j) {

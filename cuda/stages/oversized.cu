@@ -26,7 +26,7 @@ __device__ void filterBoxPair(const CycleArrays& c, TileEntryIndex at_a, TileEnt
   const TileEntry a = c.tiles.at(at_a), b = c.tiles.at(at_b);
   if (!c.scene.pairEnabled(a.part, b.part)) return;
   std::uint32_t shared_a = 0, shared_b = 0;
-  if (c.params().any_self != 0) {
+  if (c.params().identities != 0) {
     const uint4 ids_a = c.tiles.ids[at_a], ids_b = c.tiles.ids[at_b];
     shared_a = sharedBits(ids_a, ids_b);
     shared_b = sharedBits(ids_b, ids_a);

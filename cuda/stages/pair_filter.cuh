@@ -72,6 +72,22 @@ __device__ inline Aabb tileEntryBox(const CycleArrays& c, const TileEntry& m) {
   return inflated(boxOf(m.posed), c.params().margins == 0 ? 0 : c.scene.bodies[m.body].margin_m);
 }
 
+// Returns whether two tile entries of one body share a vertex. Vertices are equal if they are equal
+// as received; then they are equal in the scene frame too.
+__device__ inline bool shareReceivedVertices(const CycleArrays& c, TileEntryIndex at_a,
+                                             TileEntryIndex at_b) {
+  const TileEntry a = c.tiles.at(at_a), b = c.tiles.at(at_b);
+  if (a.body != b.body || !sharedVertices(a.posed, b.posed).any) return false;
+  const auto received = [&c](const TileEntry& of, int k) {
+    const float* const v = c.scene.received.row(c.scene.corners.row(of.triangle)[k]);
+    return Vec3f{v[0], v[1], v[2]};
+  };
+  for (int k = 0; k < 9; ++k) {
+    if (received(a, k / 3) == received(b, k % 3)) return true;
+  }
+  return false;
+}
+
 // Returns whether two tile entries whose boxes meet are a candidate of this partition, and sets
 // `candidate`. `shared_a` and `shared_b`: the bits of their shared vertices.
 __device__ inline bool filterPair(const CycleArrays& c, TileEntryIndex at_a, TileEntryIndex at_b,
@@ -85,7 +101,9 @@ __device__ inline bool filterPair(const CycleArrays& c, TileEntryIndex at_a, Til
   if (!isCandidate(a.posed, b.posed, facts)) return false;
   candidate = {at_a, at_b, packFacts(facts)};
   const ScenePartition& partition = c.params().partition;
-  return partition.isWhole() || partition.owns(tileEntryBox(c, a), tileEntryBox(c, b));
+  if (!partition.isWhole() && !partition.owns(tileEntryBox(c, a), tileEntryBox(c, b))) return false;
+  const bool may_share = c.params().any_self != 0 && c.params().identities == 0;
+  return !may_share || !shareReceivedVertices(c, at_a, at_b);
 }
 
 }  // namespace deformable_contact_monitor

@@ -16,7 +16,7 @@ namespace deformable_contact_monitor {
 // on nothing else.
 struct CycleShape {
   DeviceTraits device;
-  bool identify = false;    // some body may have contacts with itself
+  bool identify = false;    // equal vertices are searched, see DeviceScene::searchesEqualVertices()
   int refinements = 0;      // steps of fuzzy c-means, for the next cycle
   bool swept = false;       // swept motion: each launch works on both states
   bool adjacent = false;    // triangles that share vertices may be contacts

@@ -164,7 +164,7 @@ class PairFilter {
         adjacent_{memory.adjacent},
         candidates_{memory.candidates},
         lane_(laneId()),
-        any_self_(c.params().any_self != 0),
+        identities_(c.params().identities != 0),
         passes_(c.params().passes),
         schedule_(c, memory.turns) {}
 
@@ -321,7 +321,7 @@ class PairFilter {
     if (has) {
       diagonals_a = c_.tiles.diagonalsOf(pair.a);
       diagonals_b = c_.tiles.diagonalsOf(pair.b);
-      if (any_self_) {
+      if (identities_) {
         a = c_.tiles.ids[pair.a];
         b = c_.tiles.ids[pair.b];
       }
@@ -329,7 +329,7 @@ class PairFilter {
     const bool meet = has && intersects(diagonals_a, diagonals_b);
     std::uint32_t shared = 0;
     bool certified = false;
-    if (any_self_ && meet) {
+    if (identities_ && meet) {
       if (kAdjacent) {
         shared = sharedBits(a, b);
         certified = (shared & certifiedBits(a)) != 0;
@@ -403,7 +403,7 @@ class PairFilter {
   WarpQueue<EntryPair, kAdjacentCapacity> adjacent_;
   WarpQueue<DeviceCandidate, kCandidateCapacity> candidates_;
   const std::uint32_t lane_;
-  const bool any_self_;
+  const bool identities_;
   const std::uint32_t passes_;
   PairSchedule schedule_;
   std::uint32_t taken_ = 0;

@@ -95,6 +95,7 @@ __device__ void identify(const CycleArrays& c, const BodyBlock& block) {
   const VertexIndex first = firstEqual(scene, block.body, i, v);
   if (first == i) return;
   scene.vertex_id[i] = first;
+  atomicAdd(&c.counters().repeated_vertices, 1U);
   if (marks) atomicOr(reinterpret_cast<std::uint32_t*>(&scene.vertex_id[first]), kRepeated);
 }
 

@@ -1,5 +1,9 @@
-// Implements the checker of states on one GPU: brings the bodies up to date, and decides states in
-// batches.
+// Implements the checker of states on one GPU. Bodies, tiles and boxes stay on the device from
+// check to check. States are decided in batches, each a few launches: for each moved body in each
+// state, a warp compares boxes of bodies, regions and tiles, and lists the pairs of tiles that
+// matter; then a warp for each pair compares their triangles, with the predicates of the detector.
+// For nearest pairs, a first kernel computes an upper bound of each state's distance from sample
+// points of tiles, and searches the tiles that gave the bound, so that few others are listed.
 #include <algorithm>
 #include <chrono>
 #include <cstring>

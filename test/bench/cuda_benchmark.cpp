@@ -192,6 +192,11 @@ std::vector<MakeMoving> namedScenes(const TriangleMesh& ball92, const TriangleMe
           },
           [] {
             return Moving{movedUp("sparse soup", selfScene(sparseSoup())), 0.5};
+          },
+          [&] { return selfMoving("soup of cloth_ball92", soupOf(ball92), soupOf(ball93), 0); },
+          [&] {
+            return selfMoving("soup of cloth_ball92 split 3 x 3", soupOf(splitThreeByThree(ball92)),
+                              soupOf(splitThreeByThree(ball93)), 0);
           }};
 }
 
