@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <mutex>
 #include <stdexcept>
+#include <string_view>
 
 #include "robot/xml_text.h"
 
@@ -61,6 +62,21 @@ const char* requireName(const XMLElement& element) {
     fail(element.GetLineNum(), std::string(element.Name()) + " without a name");
   }
   return name;
+}
+
+// Refuses a xacro file that was not expanded, which would be a robot without the links of its
+// macros. Old versions of xacro left calls of macros that they did not know, so these are no sign.
+void requireExpanded(const XMLElement& robot) {
+  for (const XMLElement* e = robot.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
+    const std::string element = e->Name();
+    const char* const name = e->Attribute("name");
+    if (name != nullptr && std::string_view(name).find("${") != std::string_view::npos) {
+      fail(e->GetLineNum(), "the name '" + std::string(name) + "' is xacro; run xacro on it first");
+    }
+    if (element == "xacro:include" || element == "xacro:macro") {
+      fail(e->GetLineNum(), "<" + element + "> is xacro; run xacro on it first");
+    }
+  }
 }
 
 // Copies a link with its elements of one kind. Each copied element keeps only origin and geometry.
@@ -227,6 +243,7 @@ UrdfText readUrdfText(const std::string& urdf_xml, GeometryKind kind) {
   const XMLElement* robot = document.FirstChildElement("robot");
   if (robot == nullptr) fail(1, "there is no element 'robot'");
   requireName(*robot);
+  requireExpanded(*robot);
 
   UrdfText text;
   XMLDocument copy;

@@ -1,4 +1,5 @@
 // Mesh files of links: formats, hierarchies, units, up axes, and files that are none.
+#include <array>
 #include <random>
 #include <stdexcept>
 
@@ -33,6 +34,10 @@ std::string colladaText(const std::string& asset, const std::string& nodes) {
          nodes +
          "</visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#s\"/>"
          "</scene></COLLADA>";
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& by) {
+  return text.replace(text.find(from), from.size(), by);
 }
 
 void expectCorners(const Corners& expected, const Corners& actual) {
@@ -93,6 +98,40 @@ TEST(LinkMeshFile, ObjPolygonsAreTriangulatedAndPointsAndLinesDropped) {
   const auto triangles = cornersOf(readLinkMeshFile(path));
   EXPECT_EQ(triangles.size(), 3U);
   EXPECT_NEAR(surfaceArea(triangles), 4 - 1.5, 1e-6);  // concave: ears, no fan over the notch
+}
+
+// An L whose notch touches the line of an edge, from each of its corners on. Assimp alone covers
+// the notch from one of them.
+TEST(LinkMeshFile, ColladaPolygonsAreTheSurfaceOfTheSamePolygonsInObj) {
+  const TemporaryFolder folder;
+  const std::array<std::string, 6> outline = {"0 0 0", "2 0 0", "2 1 0", "1 1 0", "1 2 0", "0 2 0"};
+  for (std::size_t start = 0; start < outline.size(); ++start) {
+    SCOPED_TRACE(start);
+    std::string text = colladaText("", kTurned + kMirrored), numbers, obj, face = "f";
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+      numbers += outline[(start + i) % outline.size()] + " ";
+      obj += "v " + outline[(start + i) % outline.size()] + "\n";
+      face += " " + std::to_string(i + 1);
+    }
+    text = replaced(text, "count=\"9\">0 0 0 1 0 0 0 2 3", "count=\"18\">" + numbers);
+    text = replaced(text, "count=\"3\" stride", "count=\"6\" stride");
+    text = replaced(text, "<triangles count=\"1\">", "<polylist count=\"1\">");
+    text = replaced(text, "<p>0 1 2</p></triangles>",
+                    "<vcount>6</vcount><p>0 1 2 3 4 5</p></polylist>");
+    const auto from_obj = cornersOf(readLinkMeshFile(folder.write("l.obj", obj + face + "\n")));
+    const auto from_dae = cornersOf(readLinkMeshFile(folder.write("l.dae", text)));
+    EXPECT_NEAR(surfaceArea(from_obj), 3, 1e-6);
+    ASSERT_EQ(from_dae.size(), 2 * from_obj.size());
+    for (std::size_t t = 0; t < from_obj.size(); ++t) {
+      const auto moved = [&](int k, double x_sign) {
+        const Eigen::Vector3d& v = from_obj[t][k];
+        return x_sign > 0 ? Eigen::Vector3d(v.x(), -v.z(), 2 * v.y() + 5)
+                          : Eigen::Vector3d(-v.x(), v.y(), v.z());
+      };
+      expectCorners({moved(0, 1), moved(1, 1), moved(2, 1)}, from_dae[t]);
+      expectCorners({moved(0, -1), moved(2, -1), moved(1, -1)}, from_dae[from_obj.size() + t]);
+    }
+  }
 }
 
 TEST(LinkMeshFile, BinaryStlKeepsEveryBitAlsoWhereItsHeaderSaysSolid) {

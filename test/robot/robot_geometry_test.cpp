@@ -384,6 +384,10 @@ TEST(RobotGeometry, MalformedDescriptionsAreRefusedWithTheirLine) {
   expectLine(3, start + link + "<link name=\"b\" name=\"c\"/></robot>");
   expectLine(2, start + "<link name=\"a&#31;\"/></robot>");
   EXPECT_NE(refusalOf(start + link + "<link name=\"b\"/></robot>").find("root"), std::string::npos);
+  // Without its macros, a xacro file is a robot that lacks links.
+  EXPECT_EQ(refusalOf(start + link + "<xacro:include filename=\"arm.xacro\"/></robot>"),
+            "robot description, line 3: <xacro:include> is xacro; run xacro on it first");
+  expectLine(2, start + "<link name=\"${prefix}a\"/></robot>");
 }
 
 TEST(RobotGeometry, WarningsNameLinkAndFact) {

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 #include "core/mesh_files/mesh_readers.h"
 #include "robot/mesh_stream.h"
@@ -24,7 +25,14 @@ std::string endingOf(const std::string& path) {
   return ending;
 }
 
-SourceMesh toSourceMesh(const TriangleMesh& mesh, const MeshFileReport& report) {
+SourceMesh withNotes(SourceMesh mesh, const MeshFileReport& report) {
+  for (const std::string& note : report.notes) {
+    mesh.note += (mesh.note.empty() ? "" : "; ") + note;
+  }
+  return mesh;
+}
+
+SourceMesh toSourceMesh(const TriangleMesh& mesh) {
   if (!fitsMeshLimit(mesh.vertexCount(), mesh.triangleCount(), kMaxMeshMib * kBytesPerMib)) {
     throw std::length_error("more than " + std::to_string(kMaxMeshMib) +
                             " MiB of vertices and triangles");
@@ -38,9 +46,6 @@ SourceMesh toSourceMesh(const TriangleMesh& mesh, const MeshFileReport& report) 
   source.triangles.reserve(mesh.triangleCount());
   for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
     source.triangles.push_back({mesh.triangles[i], mesh.triangles[i + 1], mesh.triangles[i + 2]});
-  }
-  for (const std::string& note : report.notes) {
-    source.note += (source.note.empty() ? "" : "; ") + note;
   }
   return source;
 }
@@ -65,13 +70,16 @@ SourceMesh readForeignMesh(const std::string& path) {
                              "' is no mesh format of robot links: STL, DAE, OBJ, PLY and OFF are");
   }
   const std::string bytes = readRegularFile(path);
-  if (is_collada) return readCollada(bytes);
+  MeshFileReport report;
+  if (is_collada) {
+    SourceMesh mesh = readCollada(bytes, &report);
+    return withNotes(std::move(mesh), report);
+  }
   // The caller knows the path, so another name takes its place and is taken out of the error.
   const std::string name = "mesh" + ending;
   try {
-    MeshFileReport report;
     const TriangleMesh mesh = readMeshContent(name, bytes, &report);
-    return toSourceMesh(mesh, report);
+    return withNotes(toSourceMesh(mesh), report);
   } catch (const std::runtime_error& error) {
     const std::string text = error.what();
     const bool has_name = text.compare(0, name.size(), name) == 0;

@@ -3,6 +3,7 @@
 
 #include <tf2/buffer_core.h>
 
+#include <algorithm>
 #include <exception>
 #include <tuple>
 #include <utility>
@@ -46,26 +47,30 @@ void addStatic(const ros::Time& received, const geometry_msgs::TransformStamped&
 struct Scan {
   std::map<std::string, ObjectParameters> objects;  // the configured ones by topic
   ros::Time newest;                                 // stamp of a transform or a joint
-  TimeJumps transform_jumps, mesh_jumps;
 };
 
-// Adds the stamp of a transform or joint to a span, unless it is odd. What was before the clock
-// went back does not count.
-void addMoving(const std::string& source, const ros::Time& stamp, const ros::Time& received,
-               std::map<std::string, BagContents::Span>* spans, Scan* scan, BagContents* contents) {
-  const std::size_t jumps = scan->transform_jumps.all().size();
-  const TimeJumps::Fit fit = scan->transform_jumps.look(source, stamp, received);
-  BagContents::Span& span = (*spans)[source];
-  if (scan->transform_jumps.all().size() > jumps) {
+// Takes the stamp of a source. What was before the clock went back does not count in any span.
+TimeJumps::Fit lookAtStamp(const std::string& source, TimeJumps::Kind kind, const ros::Time& stamp,
+                           const ros::Time& received, BagContents* contents) {
+  const std::size_t jumps = contents->jumps.all().size();
+  const TimeJumps::Fit fit = contents->jumps.look(source, kind, stamp, received);
+  if (contents->jumps.all().size() > jumps) {
     for (auto& [frame, of] : contents->moving) of = {};
     for (auto& [joint, of] : contents->joints) of = {};
   }
+  return fit;
+}
+
+// Adds the stamp of a transform or joint to a span, unless it is odd.
+void addMoving(const std::string& source, const ros::Time& stamp, const ros::Time& received,
+               BagContents::Span* span, Scan* scan, BagContents* contents) {
+  const TimeJumps::Fit fit = lookAtStamp(source, TimeJumps::Kind::kPose, stamp, received, contents);
   if (fit == TimeJumps::Fit::kOdd) return;
   if (fit == TimeJumps::Fit::kAnew) {
-    span = {};
+    *span = {};
     scan->newest = stamp;
   }
-  span.add(stamp);
+  span->add(stamp);
   scan->newest = std::max(scan->newest, stamp);
 }
 
@@ -81,7 +86,8 @@ void lookAtTransforms(const BagMessage& message, Scan* scan, BagContents* conten
     } else {
       ++contents->moving_transforms;
       contents->transforms_far_ahead += !isUsableStamp(transform.header.stamp, message.received);
-      addMoving(frame, transform.header.stamp, message.received, &contents->moving, scan, contents);
+      addMoving(frameSource(frame), transform.header.stamp, message.received,
+                &contents->moving[frame], scan, contents);
     }
   }
 }
@@ -90,7 +96,8 @@ void lookAtTransforms(const BagMessage& message, Scan* scan, BagContents* conten
 void lookAtJoints(const BagMessage& message, Scan* scan, BagContents* contents) {
   const sensor_msgs::JointState state = toJointState(message);
   for (const auto& [joint, position] : positionsIn(state)) {
-    addMoving(joint, state.header.stamp, message.received, &contents->joints, scan, contents);
+    addMoving(jointSource(joint), state.header.stamp, message.received, &contents->joints[joint],
+              scan, contents);
   }
 }
 
@@ -113,7 +120,7 @@ void lookAtMesh(const BagMessage& message, Scan* scan, BagContents::Topic* topic
   const std::uint64_t number = contents->meshes.size();
   // The mesh gets its place in the list before it is decoded, which may throw.
   contents->meshes.push_back(
-      {message.received, message.received, number, message.topic, 0, {}, false});
+      {message.clock, message.received, number, message.topic, 0, {}, false});
   const ObjectParameters& object = scan->objects[message.topic];
   const BagMeshHead head = headOf(message, object);
   ros::Time& stamp = contents->meshes.back().stamp;
@@ -121,7 +128,8 @@ void lookAtMesh(const BagMessage& message, Scan* scan, BagContents::Topic* topic
   const ros::Time corrected = correctedStamp(stamp, object.stamp_offset_s);
   if (!corrected.isZero()) stamp = corrected;
   if (head.says_nothing) return;
-  scan->mesh_jumps.look(message.topic, stamp, message.received);
+  lookAtStamp(topicSource(message.topic), TimeJumps::Kind::kMesh, stamp, message.received,
+              contents);
   lookAtDeletion(head.is_deletion, topic, contents);
   if (head.mesh) {
     const std::string& object = head.mesh->object;
@@ -175,8 +183,7 @@ void sortMeshes(BagContents* contents) {
   std::map<std::string, Topic> topics;
   for (BagContents::Mesh& mesh : contents->meshes) {
     Topic& topic = topics[mesh.topic];
-    mesh.part = contents->jumps.partAt(mesh.received);
-    if (contents->jumps.isLeftover(mesh.stamp, mesh.received)) --mesh.part;
+    mesh.part = contents->jumps.partOf(topicSource(mesh.topic), mesh.received);
     if (mesh.part != topic.part) topic = {mesh.part, ros::Time()};
     const bool is_far = secondsBetween(topic.newest, mesh.stamp) > kFarBehindS;
     mesh.place = is_far ? topic.newest : mesh.stamp;
@@ -272,9 +279,10 @@ void BagContents::addJointTransforms(const History<std::string>& urdfs,
       parents[transform.child_frame_id] = transform.header.frame_id;
     }
     for (const JointTransforms::Moving& of : made->moving()) {
-      const auto joint = joints.find(of.joint);
-      if (joint == joints.end()) continue;
-      moving[of.frame] = joint->second;
+      const auto source = std::find_if(of.sources.begin(), of.sources.end(),
+                                       [this](const auto& s) { return joints.count(s.joint) > 0; });
+      if (source == of.sources.end()) continue;
+      moving[of.frame] = joints.at(source->joint);
       parents[of.frame] = of.parent;
     }
     joint_transforms.push_back({urdf.received, made});
@@ -307,15 +315,13 @@ BagContents scanBags(BagReader* reader, const BagFiles& files, const MonitorPara
     ++topic.messages;
     try {
       lookAt(message, &scan, &topic, &contents);
-    } catch (const std::exception&) {
-      ++topic.damaged;
+    } catch (const std::exception& error) {
+      if (topic.damaged++ == 0) topic.damage = error.what();
     }
   });
   if (count == 0) choose();
   contents.triangles_ahead.settle();
-  // Without transforms, the meshes tell where the clock went back.
-  const bool has_transforms = !contents.moving.empty() || !contents.joints.empty();
-  contents.jumps = has_transforms ? scan.transform_jumps : scan.mesh_jumps;
+  contents.jumps.finish();
   sortMeshes(&contents);
   return contents;
 }

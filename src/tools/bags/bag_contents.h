@@ -54,11 +54,12 @@ struct BagContents {
     std::string object;  // of DeformableMesh: the object's name in the first message
     std::uint64_t messages = 0;
     std::uint64_t damaged = 0;  // messages that cannot be read
+    std::string damage{};       // why the first of them cannot
     // The number of the last mesh that is a deletion, while no other mesh has followed it.
     std::optional<std::uint64_t> deletion{};
   };
   struct Mesh {
-    ros::Time stamp;  // of its header; the time of receipt if that is zero
+    ros::Time stamp;  // of its header; the recorder's time if that is zero
     ros::Time received;
     std::uint64_t number = 0;  // counts all meshes in order of receipt, from 0
     std::string topic;

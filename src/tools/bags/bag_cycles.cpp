@@ -8,9 +8,11 @@
 #include <boost/make_shared.hpp>
 #include <exception>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include "monitor/time_difference.h"
 
@@ -82,6 +84,7 @@ void BagCycles::plan(const BagContents& contents) {
     if (input == input_of_topic_.end()) continue;
     events_.push_back({mesh.stamp, plus(mesh.received, kLookAheadS), mesh.received, false,
                        input->second, mesh.number, mesh.part, mesh.place, mesh.is_passing});
+    if (mesh.part < contents.jumps.partAt(mesh.received)) leftovers_[mesh.number] = mesh.part;
   }
   if (played_ == nullptr) return;
   // Before and after, some link would be UNKNOWN in every cycle.
@@ -111,8 +114,7 @@ void BagCycles::plan(const BagContents& contents) {
 // After the end of the bags, nothing can come any more, so the remaining cycles run at once.
 std::string BagCycles::run(BagReader* reader, const std::function<void(CycleReport*)>& visit) {
   std::string problem = reader->read([&](const BagMessage& message) {
-    const std::size_t part = contents_.jumps.partAt(message.received);
-    if (part != part_) startPart(part, visit);
+    startParts(contents_.jumps.partAt(message.received), false, visit);
     // First the cycles that wait for nothing more: after a gap in the recording, this message's
     // transforms may make the buffer drop those that they need.
     received_ = std::max(received_, message.received);
@@ -120,6 +122,7 @@ std::string BagCycles::run(BagReader* reader, const std::function<void(CycleRepo
     take(message);
     release(visit);
   });
+  startParts(contents_.jumps.partAt(received_), true, visit);
   at_end_ = true;
   release(visit);
   return problem;
@@ -134,8 +137,11 @@ void BagCycles::take(const BagMessage& message) {
   if (isMesh(message)) {
     const std::uint64_t number = meshes_read_++;
     if (input_of_topic_.count(message.topic) > 0) held_[number] = message;
+    leftovers_.erase(number);
     return;
   }
+  // While leftovers are awaited, the transforms of the next part wait too.
+  if (contents_.jumps.partAt(message.received) > part_) postponed_.push_back(message);
   try {
     takeTransforms(message);
   } catch (const std::exception&) {  // scanBags() has counted it
@@ -154,7 +160,7 @@ void BagCycles::takeTransforms(const BagMessage& message) {
         continue;
       }
       const ros::Time& stamp = transform.header.stamp;
-      if (contents_.jumps.isLeftover(stamp, message.received)) continue;
+      if (contents_.jumps.partOf(frameSource(frame), message.received) != part_) continue;
       if (contents_.isUsable(stamp, message.received)) {
         addTransform(transform, isStatic(message.topic));
       } else {
@@ -165,7 +171,10 @@ void BagCycles::takeTransforms(const BagMessage& message) {
              !contents_.joint_transforms.empty()) {
     const auto& all = contents_.joint_transforms;
     const JointTransforms& joints = *all[indexAt(all, message.received)].value;
-    for (const geometry_msgs::TransformStamped& transform : joints.at(toJointState(message))) {
+    const sensor_msgs::JointState state = toJointState(message);
+    const std::string source = jointSource(state.name.empty() ? "" : state.name.front());
+    if (contents_.jumps.partOf(source, message.received) != part_) return;
+    for (const geometry_msgs::TransformStamped& transform : joints.at(state)) {
       addTransform(transform, false);
     }
   }
@@ -212,6 +221,20 @@ bool BagCycles::isLate(const Event& event, const BagMessage& message) const {
   return lookup_.isWorthWaiting(scene_.awaitedFrames(event.input, event.stamp, mesh));
 }
 
+// Starts all parts up to this one, each when no mesh of the part before it is missing any more. At
+// the end of the bags, none can come.
+void BagCycles::startParts(std::size_t part, bool is_end,
+                           const std::function<void(CycleReport*)>& visit) {
+  while (part_ < part) {
+    const bool is_awaited =
+        std::any_of(leftovers_.begin(), leftovers_.end(),
+                    [this](const auto& leftover) { return leftover.second <= part_; });
+    if (is_awaited && !is_end) return;
+    startPart(part_ + 1, visit);
+    for (const BagMessage& message : std::exchange(postponed_, {})) take(message);
+  }
+}
+
 // Ends the part of the bags before the clock went back, and forgets what depends on time, as the
 // node does.
 void BagCycles::startPart(std::size_t part, const std::function<void(CycleReport*)>& visit) {
@@ -234,17 +257,19 @@ bool BagCycles::isReady(const Event& event) const {
   return held_.count(event.number) > 0 && received_ >= event.ready;
 }
 
-// Runs the cycles whose meshes are all ready. Meshes with one stamp share a cycle.
+// Runs the cycles whose meshes are all ready. Meshes of different objects with one stamp share a
+// cycle.
 void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
   while (next_ < events_.size() && isReady(events_[next_])) {
     const ros::Time stamp = events_[next_].stamp, due = events_[next_].due;
     std::size_t end = next_;
     // All meshes of this stamp must be ready before its cycle runs.
     const std::size_t part = events_[next_].part;
+    std::set<std::size_t> inputs;  // an object's next mesh, with the same stamp, has its own cycle
     for (; end < events_.size() && events_[end].stamp == stamp && events_[end].part == part;
          ++end) {
       if (!isReady(events_[end])) return;
-      if (!knowsSame(events_[end].due, due)) break;
+      if (!knowsSame(events_[end].due, due) || !inputs.insert(events_[end].input).second) break;
     }
     recallAt(due);
     CycleTrigger trigger;

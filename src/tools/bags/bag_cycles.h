@@ -107,6 +107,7 @@ class BagCycles {
   void postpone(const ros::Time& change);
   bool isLate(const Event& event, const BagMessage& message) const;
   // These run the cycles whose meshes are ready.
+  void startParts(std::size_t part, bool is_end, const std::function<void(CycleReport*)>& visit);
   void startPart(std::size_t part, const std::function<void(CycleReport*)>& visit);
   bool isReady(const Event& event) const;
   void release(const std::function<void(CycleReport*)>& visit);
@@ -141,6 +142,10 @@ class BagCycles {
   std::map<std::uint64_t, BagMessage> held_;
   std::map<std::uint64_t, std::size_t> event_of_mesh_;  // index of events_, by number
   std::uint64_t meshes_read_ = 0;
+  // The parts of meshes that were recorded after the clock had gone back, and are from before it,
+  // by number, until they are read. Meanwhile the later transforms wait.
+  std::map<std::uint64_t, std::size_t> leftovers_;
+  std::vector<BagMessage> postponed_;
   ros::Time received_, newest_transform_;  // the newest times that were read so far
   bool at_end_ = false;                    // the bags are read to their end
   bool played_out_ = false;

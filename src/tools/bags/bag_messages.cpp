@@ -69,7 +69,7 @@ RecordedMeshReader adaptedReader(Adapter adapter) {
   return [shared = std::make_shared<Adapter>(std::move(adapter))](const BagMessage& message) {
     const auto recorded = decoded<typename Adapter::Message>(message);
     try {
-      return shared->adapt(*recorded, message.received);
+      return shared->adapt(*recorded, message.clock);
     } catch (const std::invalid_argument& refusal) {
       return IncomingMesh{boost::make_shared<DeformableMesh>(), refusal.what()};
     }
@@ -119,7 +119,7 @@ std_msgs::Header headerOf(const BagMessage& message, const ObjectParameters& obj
 
 sensor_msgs::JointState toJointState(const BagMessage& message) {
   sensor_msgs::JointState state = std::move(*decoded<sensor_msgs::JointState>(message));
-  if (state.header.stamp.isZero()) state.header.stamp = message.received;
+  if (state.header.stamp.isZero()) state.header.stamp = message.clock;
   return state;
 }
 

@@ -22,75 +22,16 @@
 #include <system_error>
 #include <utility>
 
+#include "tools/bags/bag_records.h"
+#include "tools/bags/recorded_order.h"
+
 namespace deformable_contact_monitor {
 namespace {
 
-// Records of a bag's index, as http://wiki.ros.org/Bags/Format/2.0 defines them: a header of named
-// fields, and data. The constants are values of the field "op".
-constexpr char kBagHeader = 3, kIndexData = 4, kChunk = 5, kChunkInfo = 6, kConnection = 7;
-// Sizes of entries in an index and in a chunk's list of connections.
-constexpr std::uint32_t kIndexEntry = 12, kChunkInfoEntry = 8;  // [bytes]
-constexpr std::uint32_t kLongestHeader = 1 << 20;
+// The size of an entry in a chunk's list of connections [bytes].
+constexpr std::uint32_t kChunkInfoEntry = 8;
 
-using Fields = std::map<std::string, std::string>;
 using Counts = std::map<std::uint32_t, std::uint64_t>;  // messages of each connection
-
-// Walks over the records of a bag. Every size is checked against the file's size.
-class RecordFile {
- public:
-  explicit RecordFile(const std::string& path) : file_(path, std::ios::binary) {
-    file_.seekg(0, std::ios::end);
-    size_ = static_cast<std::uint64_t>(file_.tellg());
-    file_.seekg(static_cast<std::streamoff>(std::strlen("#ROSBAG V2.0\n")));
-  }
-
-  // False at the end of the file. Then `data_size` bytes follow.
-  bool next(Fields* fields, std::uint32_t* data_size) {
-    if (static_cast<std::uint64_t>(file_.tellg()) == size_) return false;
-    const std::uint32_t header_size = number();
-    // Larger headers do not exist; a damaged size must not allocate memory.
-    if (header_size > kLongestHeader) fail();
-    *fields = split(bytes(header_size));
-    *data_size = number();
-    if (*data_size > size_ - static_cast<std::uint64_t>(file_.tellg())) fail();
-    return true;
-  }
-  void skip(std::uint32_t size) { file_.seekg(size, std::ios::cur); }
-  std::string bytes(std::uint32_t size) {
-    std::string text(size, '\0');
-    if (!file_.read(text.data(), size)) fail();
-    return text;
-  }
-  std::uint32_t number() { return numberAt(bytes(sizeof(std::uint32_t)), 0); }
-
-  [[noreturn]] static void fail() { throw std::runtime_error("its records do not fit together"); }
-
-  static std::uint32_t numberAt(const std::string& text, std::size_t at) {
-    std::uint32_t value = 0;
-    if (at + sizeof value > text.size()) fail();
-    std::memcpy(&value, text.data() + at, sizeof value);
-    return value;
-  }
-
- private:
-  static Fields split(const std::string& header) {
-    Fields fields;
-    for (std::size_t at = 0; at < header.size();) {
-      const std::uint32_t size = numberAt(header, at);
-      at += sizeof size;
-      if (size > header.size() - at) fail();
-      const std::string field = header.substr(at, size);
-      const std::size_t equals = field.find('=');
-      if (equals == std::string::npos) fail();
-      fields[field.substr(0, equals)] = field.substr(equals + 1);
-      at += size;
-    }
-    return fields;
-  }
-
-  std::ifstream file_;
-  std::uint64_t size_ = 0;
-};
 
 constexpr int kPatienceMs =
     60000;  // time without a byte from the child after which it counts as crashed
@@ -107,7 +48,8 @@ struct Header {
   std::uint32_t kind = kEnd;
   // Lengths. kTopic has a topic and a type; kEnd and kCannotOpen have only bytes.
   std::uint32_t topic = 0, type = 0, md5 = 0, bytes = 0;
-  std::uint32_t sec = 0, nsec = 0;
+  std::uint32_t sec = 0, nsec = 0;              // BagMessage::received
+  std::uint32_t clock_sec = 0, clock_nsec = 0;  // BagMessage::clock
 };
 
 // Writes everything to the pipe, or ends the child if the parent is gone.
@@ -160,7 +102,7 @@ struct ByteStream {
 };
 
 // Sends one message. The child never decodes it.
-void sendMessage(int pipe, const rosbag::MessageInstance& message) {
+void sendMessage(int pipe, const rosbag::MessageInstance& message, const ros::Time& received) {
   std::vector<std::uint8_t> bytes(message.size());
   ByteStream stream{&bytes};
   message.write(stream);
@@ -172,8 +114,10 @@ void sendMessage(int pipe, const rosbag::MessageInstance& message) {
   header.type = static_cast<std::uint32_t>(type.size());
   header.md5 = static_cast<std::uint32_t>(md5.size());
   header.bytes = static_cast<std::uint32_t>(bytes.size());
-  header.sec = message.getTime().sec;
-  header.nsec = message.getTime().nsec;
+  header.sec = received.sec;
+  header.nsec = received.nsec;
+  header.clock_sec = message.getTime().sec;
+  header.clock_nsec = message.getTime().nsec;
   send(pipe, &header, sizeof header);
   send(pipe, (topic + type + md5).data(), topic.size() + type.size() + md5.size());
   send(pipe, bytes.data(), bytes.size());
@@ -218,14 +162,67 @@ void openBag(const std::string& path, rosbag::Bag* bag) {
   }
 }
 
+// The messages of each connection, by its number, in the order of rosbag's index.
+using Connections = std::map<std::uint32_t, std::vector<rosbag::MessageInstance>>;
+
+Connections selectedConnections(const rosbag::Bag& bag, const BagSelection& selection) {
+  Connections selected;
+  rosbag::View all(bag);
+  for (const rosbag::ConnectionInfo* const connection : all.getConnections()) {
+    if (!selection.has(connection->topic, connection->datatype)) continue;
+    rosbag::View view(bag, [connection](const rosbag::ConnectionInfo* other) {
+      return other->id == connection->id;
+    });
+    for (const rosbag::MessageInstance& message : view) {
+      selected[connection->id].push_back(message);
+    }
+  }
+  return selected;
+}
+
+// Returns the order of the messages if the recorder's clock went back; else nothing. Transforms are
+// looked at only if there is nothing else: several recordings of them may have been merged.
+std::vector<OrderedMessage> orderOf(const rosbag::Bag& bag, const BagSelection& selection) {
+  std::set<std::uint32_t> all, others;
+  rosbag::View view(bag);
+  for (const rosbag::ConnectionInfo* const connection : view.getConnections()) {
+    const std::string& type = connection->datatype;
+    if (!selection.has(connection->topic, type)) continue;
+    all.insert(connection->id);
+    if (type != "tf2_msgs/TFMessage" && type != "tf/tfMessage") others.insert(connection->id);
+  }
+  if (bag.getMajorVersion() != 2) return {};
+  try {
+    return recordedOrder(bag.getFileName(), all, others.empty() ? all : others);
+  } catch (const std::exception& error) {
+    throw std::runtime_error(bag.getFileName() + ": " + error.what());
+  }
+}
+
+// Sends the messages of a bag whose recorder's clock went back, in the order in which they were
+// written. rosbag's own view would mix what was recorded at the same times.
+void sendInOrder(int pipe, const rosbag::Bag& bag, const BagSelection& selection,
+                 const std::vector<OrderedMessage>& order) {
+  const Connections connections = selectedConnections(bag, selection);
+  for (const OrderedMessage& message : order) {
+    sendMessage(pipe, connections.at(message.connection).at(message.rank), message.received);
+  }
+}
+
 // Answers one request, in the child.
 void readAll(int pipe, const std::vector<std::string>& paths, const BagSelection& selection) {
   // A deque does not move its bags, which the view points to.
   std::deque<rosbag::Bag> bags;
   rosbag::View view;
+  std::vector<OrderedMessage> order;
   try {
     for (const std::string& path : paths) {
       openBag(path, &bags.emplace_back());
+      order = orderOf(bags.back(), selection);
+      if (!order.empty() && paths.size() > 1) {
+        throw std::runtime_error(path +
+                                 ": the recorder's clock went back; evaluate this bag alone");
+      }
       view.addQuery(bags.back(), [&selection](const rosbag::ConnectionInfo* connection) {
         return selection.has(connection->topic, connection->datatype);
       });
@@ -235,7 +232,13 @@ void readAll(int pipe, const std::vector<std::string>& paths, const BagSelection
   }
   try {
     for (const rosbag::Bag& bag : bags) sendTopics(pipe, bag);
-    for (const rosbag::MessageInstance& message : view) sendMessage(pipe, message);
+    if (!order.empty()) {
+      sendInOrder(pipe, bags.front(), selection, order);
+    } else {
+      for (const rosbag::MessageInstance& message : view) {
+        sendMessage(pipe, message, message.getTime());
+      }
+    }
     sendText(pipe, Header::kEnd, "");
   } catch (const std::bad_alloc&) {
     sendText(pipe, Header::kEnd, "a size in it is senseless");
@@ -255,22 +258,22 @@ void checkBagIndex(const std::string& path) {
   std::map<char, std::uint64_t> records;  // by op
   std::uint64_t chunks = 0, connections = 0;
   Counts in_indices, in_chunk_list;
-  Fields fields;
+  RecordFields fields;
   std::uint32_t size = 0;
   while (file.next(&fields, &size)) {
     const std::string op = fields["op"];
     if (op.size() != 1) RecordFile::fail();
     ++records[op[0]];
-    const std::string data = op[0] == kChunkInfo ? file.bytes(size) : "";
-    if (op[0] != kChunkInfo) file.skip(size);
-    if (op[0] == kBagHeader) {
+    const std::string data = op[0] == RecordFile::kChunkInfo ? file.bytes(size) : "";
+    if (op[0] != RecordFile::kChunkInfo) file.skip(size);
+    if (op[0] == RecordFile::kBagHeader) {
       chunks = RecordFile::numberAt(fields["chunk_count"], 0);
       connections = RecordFile::numberAt(fields["conn_count"], 0);
-    } else if (op[0] == kIndexData) {
+    } else if (op[0] == RecordFile::kIndexData) {
       const std::uint64_t count = RecordFile::numberAt(fields["count"], 0);
-      if (size != count * kIndexEntry) RecordFile::fail();
+      if (size != count * RecordFile::kIndexEntry) RecordFile::fail();
       in_indices[RecordFile::numberAt(fields["conn"], 0)] += count;
-    } else if (op[0] == kChunkInfo) {
+    } else if (op[0] == RecordFile::kChunkInfo) {
       const std::uint64_t count = RecordFile::numberAt(fields["count"], 0);
       if (size != count * kChunkInfoEntry) RecordFile::fail();
       for (std::size_t at = 0; at < data.size(); at += kChunkInfoEntry) {
@@ -279,11 +282,13 @@ void checkBagIndex(const std::string& path) {
     }
   }
   // A message that only one of the lists has would be lost silently.
-  if (in_indices != in_chunk_list || records[kChunk] != chunks || records[kChunkInfo] != chunks ||
-      records[kConnection] != connections) {
+  if (in_indices != in_chunk_list || records[RecordFile::kChunk] != chunks ||
+      records[RecordFile::kChunkInfo] != chunks ||
+      records[RecordFile::kConnection] != connections) {
     throw std::runtime_error("what it says about itself does not agree");
   }
 }
+
 bool BagSelection::has(const std::string& topic, const std::string& type) const {
   const auto of_topic = types_of_topics.find(absoluteTopic(topic));
   return types.count(type) > 0 || (of_topic != types_of_topics.end() && of_topic->second == type);
@@ -384,6 +389,7 @@ std::string BagReader::read(const std::function<void(const BagMessage&)>& visit)
     message.bytes.resize(header.bytes);
     if (gone_ || !receive(message.bytes.data(), message.bytes.size())) break;
     message.received = ros::Time(header.sec, header.nsec);
+    message.clock = ros::Time(header.clock_sec, header.clock_nsec);
     gone_ = true;
     visit(message);
   }

@@ -22,8 +22,9 @@ std::string absoluteTopic(const std::string& name);
 // A recorded message, still serialized. Its topic is an absoluteTopic().
 struct BagMessage {
   std::string topic, type, md5;
-  ros::Time received;
+  ros::Time received;               // never earlier than that of the message before it
   std::vector<std::uint8_t> bytes;  // as serialized, and not checked yet
+  ros::Time clock{};                // what the recorder's clock was, which may have gone back
 };
 
 // Selects the messages that are read: all messages of some types, and on some topics the messages
@@ -48,7 +49,9 @@ class BagReader {
   BagReader& operator=(const BagReader&) = delete;
   ~BagReader();
 
-  // Calls visit(message) for every message of all bags, in order of receipt. It may be called
+  // Calls visit(message) for every message of all bags, in order of receipt. Where the recorder's
+  // clock went back, a single bag is read in the order of its file, and its times of receipt go on
+  // from where they were; several bags are refused. It may be called
   // again. Returns why it stopped before the end, for people; empty: it did not. Throws
   // std::runtime_error, one line that names the bag, if a bag cannot be opened: it is not a bag,
   // has no index (the text names the command that mends it), or is damaged at its start. An

@@ -1,6 +1,7 @@
 // Builds a KDL segment for each joint of a URDF, and poses it by joint states.
 #include "tools/bags/joint_transforms.h"
 
+#include <algorithm>
 #include <kdl/segment.hpp>
 
 #include "robot/robot_kinematics.h"
@@ -30,11 +31,31 @@ geometry_msgs::TransformStamped stamped(const std::string& parent, const std::st
   return message;
 }
 
+// Returns the joint, and those that it follows if it has no position itself. Joints that mimic one
+// another in a circle are followed once around.
+std::vector<JointTransforms::Moving::Source> sourcesOf(const RobotJoint& joint,
+                                                       const std::vector<RobotJoint>& all) {
+  std::vector<JointTransforms::Moving::Source> sources = {{joint.name, 1, 0}};
+  const RobotJoint* follower = &joint;
+  while (!follower->mimics.empty() && sources.size() <= all.size()) {
+    const JointTransforms::Moving::Source last = sources.back();
+    sources.push_back({follower->mimics, last.multiplier * follower->multiplier,
+                       last.multiplier * follower->offset + last.offset});
+    const auto next = std::find_if(all.begin(), all.end(), [&](const RobotJoint& j) {
+      return j.name == sources.back().joint;
+    });
+    if (next == all.end()) break;
+    follower = &*next;
+  }
+  return sources;
+}
+
 }  // namespace
 
 JointTransforms::JointTransforms(const std::string& urdf_xml, const std::string& frame_prefix,
                                  const std::function<bool(const std::string& frame)>& wanted) {
-  for (const RobotJoint& joint : readUrdf(urdf_xml, GeometryKind::kCollision).joints) {
+  const std::vector<RobotJoint> joints = readUrdf(urdf_xml, GeometryKind::kCollision).joints;
+  for (const RobotJoint& joint : joints) {
     const std::string frame = frame_prefix + joint.child, parent = frame_prefix + joint.parent;
     const bool is_fixed = joint.type == RobotJoint::Type::kFixed;
     if ((!is_fixed && !joint.hasPosition()) || !wanted(frame)) continue;
@@ -43,11 +64,8 @@ JointTransforms::JointTransforms(const std::string& urdf_xml, const std::string&
       fixed_.push_back(stamped(parent, frame, toMessage(segment.pose(0))));
       continue;
     }
-    const double multiplier = joint.multiplier, offset = joint.offset;
-    moving_.push_back({parent, frame, joint.mimics.empty() ? joint.name : joint.mimics,
-                       [segment, multiplier, offset](double position) {
-                         return toMessage(segment.pose(multiplier * position + offset));
-                       }});
+    moving_.push_back({parent, frame, sourcesOf(joint, joints),
+                       [segment](double position) { return toMessage(segment.pose(position)); }});
   }
 }
 
@@ -56,10 +74,13 @@ std::vector<geometry_msgs::TransformStamped> JointTransforms::at(
   const std::map<std::string, double> positions = positionsIn(state);
   std::vector<geometry_msgs::TransformStamped> transforms;
   for (const Moving& moving : moving_) {
-    const auto found = positions.find(moving.joint);
     // The message may have only some of the joints.
-    if (found == positions.end()) continue;
-    transforms.push_back(stamped(moving.parent, moving.frame, moving.pose(found->second)));
+    const auto source =
+        std::find_if(moving.sources.begin(), moving.sources.end(),
+                     [&](const Moving::Source& of) { return positions.count(of.joint) > 0; });
+    if (source == moving.sources.end()) continue;
+    const double position = source->multiplier * positions.at(source->joint) + source->offset;
+    transforms.push_back(stamped(moving.parent, moving.frame, moving.pose(position)));
     transforms.back().header.stamp = state.header.stamp;
   }
   return transforms;
@@ -68,7 +89,9 @@ std::vector<geometry_msgs::TransformStamped> JointTransforms::at(
 std::map<std::string, double> positionsIn(const sensor_msgs::JointState& state) {
   std::map<std::string, double> positions;
   if (state.name.size() != state.position.size()) return positions;
-  for (std::size_t i = 0; i < state.name.size(); ++i) positions[state.name[i]] = state.position[i];
+  for (std::size_t i = 0; i < state.name.size(); ++i) {
+    positions.emplace(state.name[i], state.position[i]);
+  }
   return positions;
 }
 

@@ -15,8 +15,9 @@
 
 namespace deformable_contact_monitor {
 
-// Computes the transforms that robot_state_publisher would have sent, with KDL. Mimic joints follow
-// the joint that they mimic. Frames of floating and planar joints stay unknown.
+// Computes the transforms that robot_state_publisher would have sent, with KDL. A mimic joint
+// without a position of its own follows the joint that it mimics. Frames of floating and planar
+// joints stay unknown.
 class JointTransforms {
  public:
   // A link's frame is `frame_prefix` and its name. `wanted` returns true for frames that shall be
@@ -27,8 +28,15 @@ class JointTransforms {
 
   struct Moving {
     std::string parent, frame;
-    std::string joint;  // whose position gives the pose
-    // Returns the frame's pose in its parent at a position [rad or m].
+    // A joint whose position p gives the pose: the frame's joint is at multiplier * p + offset.
+    struct Source {
+      std::string joint;
+      double multiplier, offset;
+    };
+    // The frame's own joint, the joint that it mimics, the one that this mimics, and so on. The
+    // first of them that has a position counts.
+    std::vector<Source> sources;
+    // Returns the frame's pose in its parent at a position of its own joint [rad or m].
     std::function<geometry_msgs::Transform(double position)> pose;
   };
   const std::vector<Moving>& moving() const { return moving_; }
@@ -44,7 +52,8 @@ class JointTransforms {
   std::vector<geometry_msgs::TransformStamped> fixed_;
 };
 
-// Returns the position of each joint [rad or m]; nothing if there are not as many as names.
+// Returns the position of each joint [rad or m], the first one of a name that is there twice;
+// nothing if there are not as many positions as names.
 std::map<std::string, double> positionsIn(const sensor_msgs::JointState& state);
 
 }  // namespace deformable_contact_monitor

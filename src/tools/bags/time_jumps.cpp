@@ -2,59 +2,159 @@
 #include "tools/bags/time_jumps.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr double kLateS = 2;            // a message may be this late without any jump [s]
+constexpr double kOrderS = 0.2;         // stamps of one source may be out of order by this [s]
+constexpr double kLateS = 2;            // a message that is later than this is odd [s]
 constexpr double kLongestPauseS = 600;  // of a source [s]
 constexpr double kUntilCertainS = 1;    // stamps are elsewhere for this long after a jump [s]
-constexpr double kClocksDifferS = 1;    // the clocks of two sources may differ by this [s]
+constexpr double kClocksDifferS = 5;    // stamps of one clock differ less when received [s]
+constexpr double kRecentS = 5;          // messages are remembered for so long [s]
+// After so many messages a source that goes back once more has jumped twice.
+constexpr std::size_t kFewest = 3;
 
 }  // namespace
 
-TimeJumps::Fit TimeJumps::look(const std::string& name, const ros::Time& stamp,
+double TimeJumps::Source::backBy() const { return secondsBetween(newest, odd.stamp); }
+
+void TimeJumps::Source::beginAnew(const ros::Time& stamp) {
+  newest = stamp;
+  odd = last_odd = {};
+  odd_count = 0;
+  is_awaited = false;
+}
+
+void TimeJumps::Source::addOdd(const Message& message) {
+  if (odd_count++ == 0) odd = message;
+  last_odd = message;
+}
+
+// Always keeps the last message of before that time, for sources that are slow.
+void TimeJumps::Source::remember(const Message& message) {
+  recent.push_back(message);
+  while (recent.size() > 2 && secondsBetween(message.received, recent[1].received) > kRecentS) {
+    recent.pop_front();
+  }
+}
+
+// Returns whether the stamps advanced by as much as the time of receipt did.
+bool TimeJumps::goesOn(const Message& before, const Message& after, double tolerance_s) {
+  return std::abs(secondsBetween(after.stamp, before.stamp) -
+                  secondsBetween(after.received, before.received)) < tolerance_s;
+}
+
+TimeJumps::Fit TimeJumps::look(const std::string& name, Kind kind, const ros::Time& stamp,
                                const ros::Time& received) {
   if (stamp.isZero()) return Fit::kOdd;
   Source& source = sources_[name];
-  if (source.newest.isZero()) source.newest = stamp;
-  const double ahead_s = secondsBetween(stamp, source.newest);
-  if (ahead_s >= -kLateS && ahead_s <= kLongestPauseS) {
-    source.newest = std::max(source.newest, stamp);
-    source.odd = ros::Time();
-    return Fit::kFits;
-  }
-  const bool goes_on = !source.odd.isZero() && secondsBetween(stamp, source.odd) >= -kLateS &&
-                       (source.odd < source.newest) == (stamp < source.newest);
-  if (!goes_on) {
-    source.odd = stamp;
-    source.odd_received = received;
-    return Fit::kOdd;
-  }
-  if (secondsBetween(received, source.odd_received) < kUntilCertainS) return Fit::kOdd;
-  if (ahead_s < 0) {
-    add(source);
-    sources_.clear();
-    sources_[name].newest = stamp;
+  source.kind = kind;
+  const Message message{stamp, received};
+  Fit fit = Fit::kOdd;
+  if (source.is_awaited && isLeftover(source, message)) {
+    jumps_.back().later[name] = received + ros::Duration(0, 1);
   } else {
-    source = {stamp, ros::Time(), ros::Time()};
+    if (source.newest.isZero() || source.is_awaited) source.beginAnew(stamp);
+    fit = fitOf(name, &source, message);
   }
-  return Fit::kAnew;
+  source.remember(message);
+  return fit;
 }
 
-// All sources that went back did it at the same time. So the jump is where the first of them did.
-void TimeJumps::add(const Source& source) {
-  Jump jump{source.odd_received, source.newest, source.odd};
-  for (const auto& [name, other] : sources_) {
-    const double earlier_s = secondsBetween(source.odd_received, other.odd_received);
-    if (!other.odd.isZero() && other.odd < other.newest && earlier_s < kLateS &&
-        other.odd_received < jump.received) {
-      jump = {other.odd_received, other.newest, other.odd};
+TimeJumps::Fit TimeJumps::fitOf(const std::string& name, Source* source, const Message& message) {
+  const double ahead_s = secondsBetween(message.stamp, source->newest);
+  const bool is_back = source->isBack();
+  if (ahead_s >= -kOrderS && ahead_s <= kLongestPauseS) {
+    // Late messages are followed by one that has caught up.
+    if (is_back && goesOn(source->last_odd, message, source->backBy() / 2) && jump(name)) {
+      source->beginAnew(message.stamp);
+      return Fit::kAnew;
+    }
+    source->beginAnew(std::max(source->newest, message.stamp));
+    return Fit::kFits;
+  }
+  const bool falls =
+      source->isOdd() && secondsBetween(message.stamp, source->last_odd.stamp) < -kOrderS;
+  if (falls && is_back && source->odd_count >= kFewest && jump(name)) {
+    return fitOf(name, source, message);
+  }
+  const bool is_other =
+      source->isOdd() &&
+      ((ahead_s < 0) != is_back || secondsBetween(message.stamp, source->odd.stamp) < -kLateS);
+  if (is_other) source->beginAnew(source->newest);
+  source->addOdd(message);
+  if (secondsBetween(message.received, source->odd.received) >= kUntilCertainS) {
+    if (ahead_s > 0) source->beginAnew(message.stamp);
+    if (ahead_s > 0 || jump(name)) return Fit::kAnew;
+  }
+  return ahead_s < -kLateS || ahead_s > 0 ? Fit::kOdd : Fit::kFits;
+}
+
+// Returns whether a source goes on as before the last jump.
+bool TimeJumps::isLeftover(const Source& source, const Message& message) const {
+  const Jump& jump = jumps_.back();
+  return secondsBetween(message.received, jump.received) < kLateS &&
+         goesOn(source.recent.back(), message, secondsBetween(jump.from, jump.to) / 2);
+}
+
+// Returns whether another source of the same clock goes on since the stamps of this one went back.
+bool TimeJumps::isContradicted(const std::string& name) const {
+  const Source& source = sources_.at(name);
+  const ros::Time& since = source.odd.received;
+  for (const auto& [other_name, other] : sources_) {
+    if (other_name == name || other.recent.empty() || other.recent.back().received <= since) {
+      continue;
+    }
+    const auto after =
+        std::find_if(other.recent.begin(), other.recent.end(),
+                     [&since](const Message& message) { return message.received >= since; });
+    if (after == other.recent.begin()) continue;
+    const Message& before = *std::prev(after);
+    if (!goesOn(before, other.recent.back(), source.backBy() / 2)) continue;
+    if (source.kind == Kind::kMesh && other.kind == Kind::kPose) return true;
+    const double ahead_s =
+        secondsBetween(before.stamp, source.newest) + secondsBetween(since, before.received);
+    if (std::abs(ahead_s) < kClocksDifferS) return true;
+  }
+  return false;
+}
+
+// Notes that the clock went back, unless other sources contradict. All that went back did it at the
+// same time, so the jump is where the first of them did.
+bool TimeJumps::jump(const std::string& name) {
+  if (isContradicted(name)) return false;
+  const Source& source = sources_[name];
+  Jump jump{source.odd.received, source.newest, source.odd.stamp};
+  for (const auto& [other_name, other] : sources_) {
+    const double earlier_s = secondsBetween(source.odd.received, other.odd.received);
+    if (other.isBack() && earlier_s < kLateS && other.odd.received < jump.received) {
+      jump = {other.odd.received, other.newest, other.odd.stamp};
     }
   }
-  jumps_.push_back(jump);
+  for (auto& [other_name, other] : sources_) {
+    if (other.isBack()) {
+      if (other.odd.received > jump.received) jump.later[other_name] = other.odd.received;
+      other.beginAnew(other.last_odd.stamp);
+    } else if (!other.recent.empty()) {
+      other.beginAnew(other.recent.back().stamp);
+      other.is_awaited = other.recent.back().received <= jump.received;
+    }
+  }
+  jumps_.push_back(std::move(jump));
+  return true;
+}
+
+// Two messages that rise are no late ones.
+void TimeJumps::finish() {
+  for (const auto& [name, source] : sources_) {
+    if (source.isBack() && source.odd.stamp < source.last_odd.stamp && jump(name)) return;
+  }
 }
 
 std::size_t TimeJumps::partAt(const ros::Time& received) const {
@@ -63,12 +163,14 @@ std::size_t TimeJumps::partAt(const ros::Time& received) const {
   return static_cast<std::size_t>(later - jumps_.begin());
 }
 
-bool TimeJumps::isLeftover(const ros::Time& stamp, const ros::Time& received) const {
-  const std::size_t part = partAt(received);
-  if (part == 0) return false;
-  const Jump& jump = jumps_[part - 1];
-  return secondsBetween(received, jump.received) < kLateS &&
-         secondsBetween(stamp, jump.from) > -kClocksDifferS;
+std::size_t TimeJumps::partOf(const std::string& source, const ros::Time& received) const {
+  std::size_t part = partAt(received);
+  for (; part > 0; --part) {
+    const Jump& jump = jumps_[part - 1];
+    const auto later = jump.later.find(source);
+    if (later == jump.later.end() || later->second <= received) break;
+  }
+  return part;
 }
 
 }  // namespace deformable_contact_monitor

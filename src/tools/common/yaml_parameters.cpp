@@ -104,6 +104,8 @@ XmlRpc::XmlRpcValue readYamlParameters(const std::string& path) {
 std::string readRobotDescription(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  // The byte order mark that some editors write is no part of the text.
+  if (text.compare(0, 3, "\xEF\xBB\xBF") == 0) text.erase(0, 3);
   const std::size_t start = text.find_first_not_of(" \t\r\n");
   if (!file || start == std::string::npos) {
     throw std::runtime_error(path + ": cannot be read, or is empty");

@@ -89,7 +89,12 @@ void evaluateCycle(CycleReport* cycle, Scene* scene, bool at_edge, Runs* runs,
 // Says why the bags were not read completely. Empty: they were.
 std::string damage(const BagContents& contents) {
   if (!contents.problem.empty()) return contents.problem;
-  return contents.damaged() > 0 ? std::to_string(contents.damaged()) + " messages" : "";
+  for (const auto& [name, topic] : contents.topics) {
+    if (topic.damaged == 0) continue;
+    return std::to_string(contents.damaged()) + " messages, the first on " + name + ": " +
+           topic.damage;
+  }
+  return "";
 }
 
 // Applies the options that are none of setUpBags(). Names the damage of a bag in the error, because

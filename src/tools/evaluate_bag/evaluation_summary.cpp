@@ -169,7 +169,10 @@ Json posesJson(const BagContents& contents) {
   };
   for (const auto& joints : contents.joint_transforms) {
     for (const JointTransforms::Moving& moving : joints.value->moving()) {
-      if (contents.joints.count(moving.joint) > 0) add(moving.frame);
+      const bool is_recorded =
+          std::any_of(moving.sources.begin(), moving.sources.end(),
+                      [&](const auto& source) { return contents.joints.count(source.joint) > 0; });
+      if (is_recorded) add(moving.frame);
     }
     for (const auto& fixed : joints.value->fixed()) add(fixed.child_frame_id);
   }

@@ -54,6 +54,17 @@ std::string seen(const ContactState* state) {
          " pairs" + (state->reason.empty() ? "" : " (" + state->reason + ")");
 }
 
+// Returns whether the pair is UNKNOWN because TransformLookup found no transform of a body. Reasons
+// name the body, also for the state of a part.
+bool lacksTransform(const ContactState& state) {
+  if (state.state != ContactState::UNKNOWN) return false;
+  for (const std::string& name : {state.body_a, state.body_b}) {
+    const std::string body = name.substr(0, name.find(':'));
+    if (state.reason.rfind(body + ": TF ", 0) == 0) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 // Collects all problems of the file before it throws.
@@ -154,7 +165,7 @@ void ExpectationJudge::look(const ContactStates& states, bool at_edge) {
     const Expectation& e = record.expectation;
     if (since_s < e.from_s || since_s > e.to_s) continue;
     const ContactState* const state = at_edge ? find(states, e) : nullptr;
-    if (state != nullptr && state->state == ContactState::UNKNOWN) {
+    if (state != nullptr && lacksTransform(*state)) {
       is_judged = false;
     } else {
       look(states, since_s, &record);

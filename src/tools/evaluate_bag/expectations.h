@@ -57,8 +57,8 @@ void checkMargins(const std::function<double(const std::string&)>& marginOf,
 //   above 1) prove nothing either.
 // - keeps_m holds in a cycle if the two are certainly at least so far apart: NONE, or NEAR at such
 //   a distance. Everything else breaks it, UNKNOWN too.
-// - A pair that is UNKNOWN in a cycle at an edge of the recording (BagContents::isAtEdge) is not
-//   judged in that cycle.
+// - A pair that is UNKNOWN because a transform is missing, in a cycle at an edge of the recording
+//   (BagContents::isAtEdge), is not judged in that cycle.
 class ExpectationJudge {
  public:
   explicit ExpectationJudge(std::vector<Expectation> expectations);

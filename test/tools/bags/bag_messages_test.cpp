@@ -29,7 +29,8 @@ BagMessage recorded(const M& message) {
   bag.topic = "/topic";
   bag.type = ros::message_traits::datatype<M>();
   bag.md5 = ros::message_traits::md5sum<M>();
-  bag.received = ros::Time(7.5);
+  bag.received = ros::Time(9.5);
+  bag.clock = ros::Time(7.5);
   bag.bytes.resize(ros::serialization::serializationLength(message));
   ros::serialization::OStream stream(bag.bytes.data(),
                                      static_cast<std::uint32_t>(bag.bytes.size()));

@@ -108,6 +108,46 @@ TEST(JointTransforms, OnlyFramesThatAreWantedAndJointsThatHaveAPosition) {
   EXPECT_TRUE(joints.at(state).empty());
 }
 
+// As robot_state_publisher does: a position that was recorded counts more than the joint's rule.
+TEST(JointTransforms, AMimicJointStandsWhereItWasRecorded) {
+  const JointTransforms joints(kRobot, "",
+                               [](const std::string& frame) { return frame == "follower"; });
+  const auto expectAngle = [&joints](const sensor_msgs::JointState& state, double angle) {
+    const auto found = joints.at(state);
+    ASSERT_EQ(found.size(), 1U);
+    expectPose(found[0], "slide",
+               Eigen::Isometry3d(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ())));
+  };
+  sensor_msgs::JointState state;
+  state.name = {"shoulder", "follow"};
+  state.position = {1, 2};
+  expectAngle(state, 2);
+  state.name = {"follow"};
+  state.position = {2};
+  expectAngle(state, 2);
+  state.name = {"shoulder", "shoulder"};  // the first of two
+  state.position = {1, 3};
+  expectAngle(state, -1.75);
+}
+
+TEST(JointTransforms, MimicJointsMayMimicOneAnother) {
+  const std::string shoulder = "<mimic joint=\"shoulder\" multiplier=\"-2\" offset=\"0.25\"/>";
+  std::string robot = kRobot;
+  robot.replace(robot.find(shoulder), shoulder.size(),
+                "<mimic joint=\"extend\" multiplier=\"3\"/>");
+  const std::string axis = "<axis xyz=\"0 0 1\"/>";
+  robot.insert(robot.find(axis), shoulder);  // of the joint "extend"
+  const JointTransforms joints(robot, "",
+                               [](const std::string& frame) { return frame == "follower"; });
+  sensor_msgs::JointState state;
+  state.name = {"shoulder"};
+  state.position = {1};
+  const auto found = joints.at(state);
+  ASSERT_EQ(found.size(), 1U);
+  expectPose(found[0], "slide",
+             Eigen::Isometry3d(Eigen::AngleAxisd(3 * -1.75, Eigen::Vector3d::UnitZ())));
+}
+
 TEST(JointTransforms, WhatIsNoRobotIsRefused) {
   EXPECT_THROW(JointTransforms("<robot name='r'/>", "", all), std::invalid_argument);
   EXPECT_THROW(JointTransforms("no xml", "", all), std::invalid_argument);

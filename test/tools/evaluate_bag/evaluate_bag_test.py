@@ -148,6 +148,9 @@ class EvaluateBag(EvaluationCase):
         self.assertEqual(summary["configuration"]["robot"], urdf)
         with open(urdf) as file:
             text = file.read()
+        marked = self.text("marked.urdf", "\ufeff" + text.replace("<robot", "<!-- note: # -->\n<robot", 1))
+        self.evaluate(bag, "--robot-description", marked)
+        self.assert_oracle_pairs()
         dump = self.text("dump.yaml", json.dumps(text))
         self.evaluate(bag, "--robot-description", dump)
         self.assert_oracle_pairs()

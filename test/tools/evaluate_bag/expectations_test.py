@@ -142,6 +142,23 @@ objects: [{{name: tshirt, topic: /tshirt, parts: [
         self.assertEqual([e["holds"] for e in expectations], [True, False])
         self.assertIn("UNKNOWN", expectations[1]["failure"])
 
+    def test_only_missing_transforms_are_forgiven_at_an_edge(self):
+        """A frame that nobody needs begins late, and some meshes have a vertex that is no number."""
+        events = []
+        for received, topic, message in self.events:
+            message = copy.deepcopy(message)
+            if topic == "/tf" and received > stamp_of(6):
+                message.transforms.append(copy.deepcopy(message.transforms[0]))
+                message.transforms[-1].child_frame_id = "other_camera"
+            if topic == "/tshirt" and stamp_of(2) <= message.header.stamp <= stamp_of(4):
+                message.vertices = [float("nan")] + list(message.vertices[1:])
+            events.append((received, topic, message))
+        text = "- {link: panda_link0, object: tshirt, touches: never, to_s: 0.2}"
+        summary = self.evaluate(self.bag("nan.bag", events), "--expect",
+                                self.text("e.yaml", text), code=1)
+        self.assertIn("not finite", summary["expectations"][0]["failure"])
+        self.assertEqual(summary["unjudged_cycles"], 0)
+
     def failures(self, text, *arguments):
         """Of expectations, by the first cycle's words; and what was said on standard error."""
         expect = self.text("e.yaml", text)

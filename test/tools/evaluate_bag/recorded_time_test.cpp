@@ -196,6 +196,70 @@ TEST(RecordedTime, AClockThatGoesBackStartsAnew) {
   EXPECT_EQ(found.events[1].reason.find("time jump: the clock went back by "), 0U);
 }
 
+// Episodes of a simulator, each as short as `episode_s`. The finger touches in the second one.
+std::string statesOfEpisodes(double episode_s, bool recorder_restarts, double mesh_late_s = 0.01) {
+  constexpr int kEpisodes = 4;
+  const int count = static_cast<int>(episode_s / kPeriod);
+  WrittenBag bag;
+  bag.camera(0, 0);
+  for (int episode = 0; episode < kEpisodes; ++episode) {
+    for (int i = 1; i <= count; ++i) {
+      const ros::Time stamp(1000 + kPeriod * i);
+      const ros::Time received = recorder_restarts ? stamp : at(kPeriod * (i + episode * count));
+      bag.transform("/tf", received, stamp, "finger", episode == 1 ? 0 : 1);
+      bag.mesh(received + ros::Duration(mesh_late_s), stamp, "cloth");
+    }
+  }
+  return statesOf(&bag, urdf("prismatic", 0.1));
+}
+
+TEST(RecordedTime, ShortEpisodesAreApart) {
+  for (const double episode_s : {0.75, 2.0, 3.0, 3.5, 5.0}) {
+    const int count = static_cast<int>(episode_s / kPeriod);
+    for (const bool recorder_restarts : {false, true}) {
+      EXPECT_EQ(statesOfEpisodes(episode_s, recorder_restarts),
+                times(count, '-') + times(count, 'C') + times(2 * count, '-'))
+          << episode_s << recorder_restarts;
+    }
+  }
+}
+
+// What is recorded after the clock went back, and was sent before, belongs to what it was sent
+// with.
+TEST(RecordedTime, MeshesThatAreLateInTheirEpisode) {
+  for (const double late_s : {0.3, 0.6}) {
+    EXPECT_EQ(statesOfEpisodes(3, false, late_s), times(24, '-') + times(24, 'C') + times(48, '-'))
+        << late_s;
+  }
+}
+
+// The last episode is too short to be certain after a second.
+TEST(RecordedTime, TheClockGoesBackShortlyBeforeTheEnd) {
+  WrittenBag bag;
+  bag.camera(0, 0);
+  for (int i = 1; i <= 30; ++i) {
+    const double back_s = i > 24 ? 30 : 0;
+    bag.transform("/tf", at(kPeriod * i), at(kPeriod * i - back_s), "finger", i > 24 ? 1 : 0);
+    bag.mesh(at(kPeriod * i + 0.01), at(kPeriod * i - back_s), "cloth");
+  }
+  EXPECT_EQ(statesOf(&bag, urdf("prismatic", 0.1)), times(24, 'C') + times(6, '-'));
+}
+
+// A publisher that is late for longer than it is certain is none whose clock went back.
+TEST(RecordedTime, ALateSourceIsNoJump) {
+  WrittenBag bag;
+  bag.camera(0, 0);
+  for (int i = 1; i <= 60; ++i) {
+    const double late_s = i > 20 && i <= 40 ? 0.6 : 0;
+    bag.finger(kPeriod * i);
+    bag.transform("/tf", at(kPeriod * i + 0.001), at(kPeriod * i - late_s), "other_frame", 0);
+    bag.mesh(at(kPeriod * i + 0.01), at(kPeriod * i), "cloth");
+  }
+  const Found found = evaluate(&bag, urdf("prismatic", 0.1));
+  EXPECT_EQ(found.states.at("cloth"), times(60, 'C'));
+  EXPECT_EQ(found.events.size(), 1U);
+}
+
 // Some stamps are of another clock. They cost nobody else anything.
 TEST(RecordedTime, AFewWrongStampsCostNoOtherCycle) {
   for (const double wrong : {0.5, 1.0, 999.0, 1040.0, 5000.0, 4e9}) {

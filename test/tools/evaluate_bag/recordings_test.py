@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """evaluate_bag on recordings in any order and with parts missing: triangles that come late,
 transforms wherever they are, joints instead of transforms, an object that is not there."""
+import copy
 import random
 
 import rospy
@@ -54,6 +55,22 @@ class Recordings(EvaluationCase):
         self.assertEqual([row["objects"] for row in frames], ["tshirt other"] * FRAMES)
         for row, pairs in zip(frames, self.expected.values()):
             self.assertEqual(int(row["pairs"]), 2 * len(pairs))
+
+    def test_meshes_of_one_object_and_stamp_are_all_evaluated(self):
+        """As of a clock that ticks slower than the meshes come. The later ones touch nothing."""
+        events = []
+        for received, topic, message in self.events:
+            events.append((received, topic, message))
+            if topic == "/tshirt":
+                apart = copy.deepcopy(message)
+                apart.vertices = [x + 50 for x in apart.vertices]
+                events.append((received + rospy.Duration(0, 1000000), topic, apart))
+        done = self.run_tool("--config", self.text("one.yaml", CONFIG),
+                             self.bag("twice.bag", events))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        frames = read_table(self.path("out/frames.csv"))
+        wanted = [count for pairs in self.expected.values() for count in (len(pairs), 0)]
+        self.assertEqual([int(row["pairs"]) for row in frames], wanted)
 
     def test_static_transforms_count_wherever_they_are(self):
         moving, static = [], TFMessage()

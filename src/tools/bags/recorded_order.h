@@ -1,0 +1,30 @@
+// The order of messages in a bag whose recorder's clock went back, as with `rosbag record` and
+// /use_sim_time when a simulator starts anew.
+#pragma once
+
+#include <ros/time.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace deformable_contact_monitor {
+
+// A message of a bag, by the number of its connection and its rank in rosbag's view of that.
+struct OrderedMessage {
+  std::uint32_t connection = 0;
+  std::size_t rank = 0;
+  ros::Time received;  // where the clock went back, the time goes on from where it was
+};
+
+// Returns the messages of these connections in the order in which they were recorded, if the times
+// of any decisive connection go back in the file, and to times that it has had already. Otherwise
+// returns nothing: messages may be written in any order, and then their times tell. Throws
+// std::runtime_error if the bag's records do not fit together.
+std::vector<OrderedMessage> recordedOrder(const std::string& path,
+                                          const std::set<std::uint32_t>& connections,
+                                          const std::set<std::uint32_t>& decisive);
+
+}  // namespace deformable_contact_monitor
