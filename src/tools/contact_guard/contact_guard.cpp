@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <mutex>
@@ -45,8 +46,10 @@ GuardParameters readParameters(const ros::NodeHandle& private_node) {
   return parameters;
 }
 
-// Runs the guard on two threads: callbacks on a spinner's thread, the output in run(). A callback
-// that takes long (one asks the ROS master for parameters) therefore cannot delay a stop.
+// Runs the guard on three threads: the output in run(), and callbacks on two threads of a spinner.
+// One callback asks the ROS master for parameters, which may take long; the callback of states and
+// the output wait for neither it nor the master. So they log nothing, because roscpp's logging
+// waits while a parameter is asked for.
 class GuardNode {
  public:
   // Subscribes last, so that the subscription is destroyed first, before anything that its callback
@@ -59,8 +62,9 @@ class GuardNode {
         warning_publisher_(private_node.advertise<std_msgs::Bool>("warning", 1)),
         updater_(node, private_node, private_node.getNamespace()),
         release_(private_node.advertiseService("release", &GuardNode::release, this)),
-        states_(node.subscribe(parameters_.monitor + "/contact_states", 1, &GuardNode::store, this,
-                               ros::TransportHints().tcpNoDelay())) {
+        every_second_(node.createWallTimer(ros::WallDuration(1), &GuardNode::lookAround, this)),
+        states_(node.subscribe(parameters_.monitor + "/contact_states", kMostWaiting,
+                               &GuardNode::store, this, ros::TransportHints().tcpNoDelay())) {
     updater_.setHardwareID("none");
     updater_.add("guard", this, &GuardNode::describe);
   }
@@ -72,7 +76,6 @@ class GuardNode {
   void run() {
     const auto period = fromSeconds(1 / parameters_.rate_hz);
     SteadyTime due = steadyNow();
-    SteadyTime diagnostics_due = due;
     while (ros::ok()) {
       {
         std::unique_lock<std::mutex> lock(mutex_);
@@ -81,14 +84,14 @@ class GuardNode {
       }
       const SteadyTime now = steadyNow();
       publish(now >= due);
-      if (now >= due) due = now + period;
-      if (now < diagnostics_due) continue;
-      diagnostics_due = now + std::chrono::seconds(1);
-      updater_.force_update();
+      if (now >= due) due = std::max(due + period, now);  // none is made up for
     }
   }
 
  private:
+  // Several, because a latch must see each message.
+  static constexpr std::uint32_t kMostWaiting = 20;
+
   // Publishes the output if it is due or has changed. Decides while the mutex is held, and
   // publishes without it, so that sending never delays a callback.
   void publish(bool is_due) {
@@ -99,6 +102,8 @@ class GuardNode {
       output = guard_.decide(now, steadyNow());
       nearest_m_ = guard_.nearest(now);
       before = std::exchange(output_, output);
+      if (output.stop) unsaid_stop_ = output.because;
+      if (!output.near.empty() && !before.warn) unsaid_near_ = output.near;
     }
     const bool turned = output.stop != before.stop;
     const bool warned = output.warn != before.warn;
@@ -112,48 +117,58 @@ class GuardNode {
     std_msgs::Bool warning;
     warning.data = output.warn;
     warning_publisher_.publish(warning);
-    tell(output);
-    // A distance that wavers around warn_distance_m must not fill the log.
-    if (warned && !output.near.empty()) ROS_WARN_STREAM_THROTTLE(1, "near: " << output.near);
   }
 
-  // Logs a stop that begins, ends or goes on for another reason, at most one line a second, so that
-  // an object that trembles at stop_distance_m does not fill the log. Waits a second after the
-  // start, because the first states need some time.
-  void tell(const GuardOutput& output) {
-    std::string reason = output.stop ? output.because : "";
+  // Logs a stop of the last second that began or went on for another reason, or that there was
+  // none any more. `because`: why the robot was stopped last; empty: it was not.
+  void tell(const std::string& because) {
+    std::string reason = because;
     reason.erase(std::remove_if(reason.begin(), reason.end(),  // numbers always change
                                 [](char c) { return (c >= '0' && c <= '9') || c == '.'; }),
                  reason.end());
-    const SteadyTime now = steadyNow();
-    if (reason == told_ || now - told_at_ < std::chrono::seconds(1)) return;
+    if (reason == told_) return;
     told_ = std::move(reason);
-    told_at_ = now;
-    if (output.stop) {
-      ROS_WARN_STREAM("stop: " << output.because);
-    } else {
+    if (because.empty()) {
       ROS_INFO("no stop any more");
+    } else {
+      ROS_WARN_STREAM("stop: " << because);
     }
   }
 
-  // Takes a message in the spinner's thread, and wakes run(). Once a second, a message that lists
-  // pairs also starts the check of their margins, which may change at any time.
-  void store(const ContactStates& states) {
-    const SteadyTime now = steadyNow();
+  // Takes a message, and wakes run().
+  void store(const ContactStates::ConstPtr& states) {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      guard_.store(states, ros::Time::now(), now);
+      guard_.store(*states, ros::Time::now(), steadyNow());
+      newest_ = states;
       has_news_ = true;
     }
     news_.notify_one();
-    if (states.states.empty() || now < margins_due_) return;
-    margins_due_ = now + std::chrono::seconds(1);
-    checkMargins(states);
+  }
+
+  // Logs what has changed, checks the margins of the pairs, which may change at any time, and sends
+  // diagnostics. All of these may wait for the ROS master. Being called once a second, it logs
+  // little of an object that trembles at stop_distance_m.
+  void lookAround(const ros::WallTimerEvent& /*event*/) {
+    ContactStates::ConstPtr states;
+    std::string stop, near;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      states = newest_;
+      std::swap(stop, unsaid_stop_);
+      std::swap(near, unsaid_near_);
+      // The first states need some time.
+      if (!std::exchange(has_looked_, true) && !output_.stop) stop.clear();
+    }
+    tell(stop);
+    if (!near.empty()) ROS_WARN_STREAM("near: " << near);
+    if (states != nullptr && !states->states.empty()) checkMargins(*states);
+    updater_.force_update();
   }
 
   // Compares the monitor's margins with the guard's distances, and warns where that has changed.
   // The parameters are cached, so that the ROS master is only asked after they have changed. It is
-  // asked without holding the mutex, because that may take long.
+  // asked without holding the mutex.
   void checkMargins(const ContactStates& states) {
     XmlRpc::XmlRpcValue tree;
     ros::param::getCached(parameters_.monitor, tree);
@@ -173,7 +188,7 @@ class GuardNode {
     return true;
   }
 
-  // Fills the status `guard` of /diagnostics. run() calls it once a second.
+  // Fills the status `guard` of /diagnostics.
   void describe(diagnostic_updater::DiagnosticStatusWrapper& status) {
     using diagnostic_msgs::DiagnosticStatus;
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -196,21 +211,23 @@ class GuardNode {
 
   const GuardParameters parameters_;
 
-  std::string told_;  // the reason of the stop that was logged last; empty: no stop
-  SteadyTime told_at_ = steadyNow();
-  SteadyTime margins_due_;  // when the spinner's thread looks at the margins again
+  std::string told_;         // the reason of the stop that was logged last; empty: no stop
+  bool has_looked_ = false;  // lookAround() was called
 
   std::mutex mutex_;  // guards what follows
   std::condition_variable news_;
   bool has_news_ = false;
+  ContactStates::ConstPtr newest_;  // null: none came
   Guard guard_;
   GuardOutput output_;
+  std::string unsaid_stop_, unsaid_near_;  // the last ones since lookAround()
   double nearest_m_ = 0;
-  std::string margin_warning_;  // only the spinner's thread writes it
+  std::string margin_warning_;  // only lookAround() writes it
 
   ros::Publisher scale_publisher_, stop_publisher_, warning_publisher_;
   diagnostic_updater::Updater updater_;
   ros::ServiceServer release_;
+  ros::WallTimer every_second_;
   ros::Subscriber states_;
 };
 
@@ -222,7 +239,7 @@ int runGuard(int argc, char** argv) {
   const ros::NodeHandle node, private_node("~");  // outlive the try: without one, ROS logs nothing
   try {
     GuardNode guard(node, private_node);
-    ros::AsyncSpinner spinner(1);
+    ros::AsyncSpinner spinner(2);
     spinner.start();
     guard.run();
   } catch (const std::exception& error) {

@@ -35,7 +35,8 @@ Guard::Guard(const GuardParameters& parameters, SteadyTime start)
       clock_moved_(start),
       latched_(parameters.latch) {}
 
-// Follows the stored message rather than the given one, because the reader ignores a late one.
+// Follows the stored message rather than the given one, because the reader ignores a late one. A
+// latch looks at every message, since a cause may be over before the next output.
 void Guard::store(const ContactStates& states, const ros::Time& now, SteadyTime steady_now) {
   watchClock(now, steady_now);
   reader_.store(states, now);
@@ -44,13 +45,24 @@ void Guard::store(const ContactStates& states, const ros::Time& now, SteadyTime 
   for (const ContactState& state : newest.states) {
     if (counts(parameters_, state)) follow(state, newest.tolerance);
   }
+  if (parameters_.latch) latch(causeOfStop(now, steady_now));
 }
 
-// Follows a pair's distance. An UNKNOWN state changes nothing: the next known distance is compared
-// with those before it.
+// Keeps the first cause, which tells more than a later one. An empty text changes nothing.
+void Guard::latch(const std::string& cause) {
+  if (!parameters_.latch || latched_ || cause.empty()) return;
+  latched_ = true;
+  latched_because_ = cause;
+}
+
+// Follows a pair's distance. After an UNKNOWN state the pair does not recede, because it may have
+// turned meanwhile. Its closing speed is measured with the distances before.
 void Guard::follow(const ContactState& state, double tolerance_m) {
-  if (state.state == ContactState::UNKNOWN) return;
   const PairName name(state.body_a, state.body_b);
+  if (state.state == ContactState::UNKNOWN) {
+    courses_.erase(name);
+    return;
+  }
   const bool is_near = state.state == ContactState::NEAR || state.state == ContactState::CONTACT;
   if (!is_near) {
     courses_.erase(name);
@@ -94,6 +106,8 @@ void Guard::watchClock(const ros::Time& now, SteadyTime steady_now) {
 std::string Guard::causeOfStop(const ros::Time& now, SteadyTime steady_now) {
   watchClock(now, steady_now);
   const double still_s = toSeconds(steady_now - clock_moved_);
+  const double silent_s = toSeconds(steady_now - heard_);
+  if (std::max(still_s, silent_s) > parameters_.max_silence_s) courses_.clear();
   if (still_s > parameters_.max_silence_s) {
     return "ROS time stands still for " + seconds(still_s);
   }
@@ -102,7 +116,6 @@ std::string Guard::causeOfStop(const ros::Time& now, SteadyTime steady_now) {
     const MoveAnswer answer = reader_.mayMove(body, now);
     if (!answer) return answer.because;
   }
-  const double silent_s = toSeconds(steady_now - heard_);
   if (silent_s > parameters_.max_silence_s) {
     return "no states came for " + seconds(silent_s) + " of wall time";
   }
@@ -122,8 +135,8 @@ std::string Guard::missingBody() const {
 }
 
 // Returns the smaller one of the scales by distance and by time. A pair that certainly leaves slows
-// nothing. After a turn by receding_m the scale by distance alone is lifted, because a pair may
-// approach again before it has turned back by as much.
+// nothing: its newest distance is the greatest. A pair that recedes is not slowed by its distance
+// until it has turned back by receding_m.
 Guard::PairScale Guard::scaleOf(const ContactState& state, double distance_m) const {
   const PairName name(state.body_a, state.body_b);
   const std::string pair = state.body_a + " and " + state.body_b + ": " + metres(distance_m);
@@ -176,16 +189,10 @@ GuardOutput Guard::decide(const ros::Time& now, SteadyTime steady_now) {
   return output;
 }
 
-// The latch keeps its first reason, which tells more than a later one.
 GuardOutput Guard::decideNow(const ros::Time& now, SteadyTime steady_now) {
   const std::string cause = causeOfStop(now, steady_now);
-  if (!cause.empty()) {
-    if (parameters_.latch && !latched_) {
-      latched_ = true;
-      latched_because_ = cause;
-    }
-    return {true, 0, cause, true, ""};
-  }
+  latch(cause);
+  if (!cause.empty()) return {true, 0, cause, true, ""};
   if (latched_) return {true, 0, "latched: " + latched_because_, true, ""};
   return slowed();
 }

@@ -4,7 +4,8 @@
 // A pair of bodies stops the robot when its state is UNKNOWN, too old, CONTACT, or nearer than
 // stop_distance_m. Between stop_distance_m and slow_distance_m the scale grows linearly. With
 // time_to_contact_s, a pair that approaches also slows the robot so that this time is left. The
-// smaller scale rules. A pair whose distance grows (it recedes) does not slow the robot.
+// smaller scale rules. With receding_m, a pair whose distance has grown by as much does not slow
+// the robot by its distance.
 #pragma once
 
 #include <deformable_contact_monitor/ContactStates.h>
@@ -70,6 +71,7 @@ class Guard {
 
   // Parts of store() and decide(). guard.cpp says what each does.
   void follow(const ContactState& state, double tolerance_m);
+  void latch(const std::string& cause);
   void turn(const PairName& name, double distance_m);
   void watchClock(const ros::Time& now, SteadyTime steady_now);
   std::string causeOfStop(const ros::Time& now, SteadyTime steady_now);

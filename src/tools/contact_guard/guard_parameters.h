@@ -19,7 +19,7 @@ struct GuardParameters {
   double stop_distance_m = 0.02;             // stop at this distance and below
   double warn_distance_m = 0;                // report at this distance and below; 0: at a stop only
   double least_scale = 0.1;                  // scale just above stop_distance_m
-  double receding_m = 0.005;       // a pair recedes after its distance grew by this; 0: never
+  double receding_m = 0;           // a pair recedes after its distance grew by this; 0: never
   double time_to_contact_s = 0;    // least time until stop_distance_m is reached; 0: any
   double fastest_closing_mps = 1;  // closing speed at full speed while it is not known
   double closing_window_s = 0.2;   // over which closing speeds are measured

@@ -78,20 +78,36 @@ TEST(GuardTest, whatWasUnknownWhileItReceded) {
   const ContactState unknown = stateOf("hand", "cloth", ContactState::UNKNOWN, kNaN);
   Watch watch(distances(1, 0.25));
   watch.hear(at(0));
-  watch.hear(unknown);
+  watch.hear(at(0.375));
   expectScale(watch.hear(at(0.5)), 1);
   watch.hear(unknown);
-  expectScale(watch.hear(at(0.4375)), 0.2 + 0.8 * 0.25);  // came nearer meanwhile
+  expectScale(watch.hear(at(0.5)), 0.2 + 0.8 / 3);  // it may have turned meanwhile
+  expectScale(watch.hear(at(0.5625)), 1);
+  watch.wait(1);  // silence
+  watch.decide();
+  expectScale(watch.hear(at(0.5625)), 0.2 + 0.8 * 0.3125 / 0.75);
   watch.hear(none("hand", "cloth"));
   expectScale(watch.hear(at(0.75)), 0.2 + 0.8 * 2 / 3);  // has come anew
 }
 
-TEST(GuardTest, withoutRecedingTheDistanceAloneCounts) {
+// Otherwise a robot that turns back would reach the cloth before it is slowed.
+TEST(GuardTest, byDefaultTheDistanceAloneCounts) {
   GuardParameters p = distances(1, 0.25);
-  p.receding_m = 0;
+  p.receding_m = GuardParameters().receding_m;
   Watch watch(p);
   watch.hear(at(0));
   expectScale(watch.hear(at(0.625)), 0.6);
+  expectScale(watch.hear(at(0.4375)), 0.2 + 0.8 * 0.25);
+}
+
+TEST(GuardTest, aLatchSeesACauseThatIsOverBeforeTheNextOutput) {
+  GuardParameters p = distances(1, 0.25);
+  p.latch = true;
+  Watch watch(p);
+  watch.hear(none("hand", "cloth"));
+  EXPECT_EQ(watch.release(), "");
+  watch.store({stateOf("hand", "cloth", ContactState::PASSED, 0.5)});
+  expectStop(watch.hear(none("hand", "cloth")), "latched: hand and cloth: PASSED");
 }
 
 TEST(GuardTest, theNearestOfThePairsThatCountDecides) {

@@ -47,6 +47,10 @@ struct Watch {
 
   // After a cycle 0.1 s later, or `period_s`.
   GuardOutput hear(std::vector<ContactState> states, double period_s = 0.1) {
+    store(std::move(states), period_s);
+    return decide();
+  }
+  void store(std::vector<ContactState> states, double period_s = 0.1) {
     wait(period_s);
     ContactStates message;
     message.cycle = ++cycle;
@@ -54,7 +58,6 @@ struct Watch {
     for (ContactState& state : states) state.stamp = message.header.stamp;
     message.states = std::move(states);
     guard.store(message, ros::Time(ros_s), steady);
-    return decide();
   }
   GuardOutput hear(const ContactState& state, double period_s = 0.1) {
     return hear(std::vector<ContactState>{state}, period_s);
