@@ -6,10 +6,12 @@
 
 namespace deformable_contact_monitor {
 
+// What bounds say of two bodies whose distance lies in [low, high]; m is the margin of the pair, t
+// the tolerance, all in [m].
 enum class PairDecision {
-  kNone,     // certainly farther apart than the margin
-  kNear,     // certainly apart, and as near as margin and tolerance
-  kContact,  // two of their points are at most the tolerance apart; with 0: they intersect
+  kNone,     // low > m: they are farther apart than the margin
+  kNear,     // no contact, low > 0, high <= m + t and high - low <= t: they are apart, and near
+  kContact,  // low <= m and high <= t: two points are at most t apart; with t = 0 they intersect
   kOpen,     // none of the above is certain
 };
 
