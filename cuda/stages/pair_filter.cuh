@@ -89,7 +89,8 @@ __device__ inline bool shareReceivedVertices(const CycleArrays& c, TileEntryInde
 }
 
 // Returns whether two tile entries whose boxes meet are a candidate of this partition, and sets
-// `candidate`. `shared_a` and `shared_b`: the bits of their shared vertices.
+// `candidate`. `shared_a` and `shared_b`: the bits of their shared vertices. If equal vertices were
+// not searched (CycleParams::identities), it drops pairs that share one.
 __device__ inline bool filterPair(const CycleArrays& c, TileEntryIndex at_a, TileEntryIndex at_b,
                                   std::uint32_t shared_a, std::uint32_t shared_b,
                                   DeviceCandidate& candidate) {

@@ -10,10 +10,13 @@ namespace deformable_contact_monitor {
 
 namespace {
 
-// Returns whether a hold has left no triangle of the piece. The object's own rest may have had none
-// before, where named parts cover all of the object.
+// Returns whether the piece has no triangle because a hold took them, or because named parts cover
+// all of the object. Before the first mesh no piece has any triangle, and that says nothing.
 bool isEmptied(const BodyParts& parts, PartId piece) {
-  if (parts.heldPart() == 0 || parts.isHeld(piece) || parts.triangles.at(piece) > 0) return false;
+  const std::vector<std::size_t>& triangles = parts.triangles;
+  const auto has_some = [](std::size_t count) { return count > 0; };
+  if (std::none_of(triangles.begin(), triangles.end(), has_some)) return false;
+  if (parts.isHeld(piece) || triangles.at(piece) > 0) return false;
   return std::binary_search(parts.held_of.begin(), parts.held_of.end(), piece) ||
          (piece == 0 && parts.problem.empty());
 }

@@ -90,7 +90,7 @@ struct BodyStatus {
 };
 
 // Returns the pieces of a part; of part 0, those of the whole body. A piece that lost all of its
-// triangles to a held one is left out.
+// triangles to a held one is left out, and so is piece 0 if the other parts have all triangles.
 std::vector<PartId> piecesOf(const BodyStatus& body, PartId part);
 
 // Returns the name of a body, or "object:part" for a named part of it.

@@ -194,7 +194,7 @@ RobotGeometry loadRobots(const std::vector<RobotDescription>& robots,
   all.kind = options.kind;
   std::vector<const UrdfLink*> links;
   for (std::size_t i = 0; i < robots.size(); ++i) {
-    DescribedRobot robot{documents[i].name, {}, prefixed(robots[i].srdf, robots[i].link_prefix)};
+    DescribedRobot robot{documents[i].name, {}, {}};
     for (const UrdfLink& link : documents[i].links) {
       robot.links.insert(link.name);
       const bool wanted =
@@ -206,6 +206,7 @@ RobotGeometry loadRobots(const std::vector<RobotDescription>& robots,
         all.unmonitored_links.push_back(link.name);
       }
     }
+    robot.srdf = prefixed(robots[i].srdf, robots[i].link_prefix, robot.links);
     all.link_names.insert(robot.links.begin(), robot.links.end());
     all.joints.insert(all.joints.end(), documents[i].joints.begin(), documents[i].joints.end());
     all.robots.push_back(std::move(robot));

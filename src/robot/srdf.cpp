@@ -120,16 +120,19 @@ Srdf readSrdfFile(const std::string& path) {
   }
 }
 
-Srdf prefixed(const Srdf& srdf, const std::string& prefix) {
+Srdf prefixed(const Srdf& srdf, const std::string& prefix, const std::set<std::string>& links) {
+  const auto named = [&](const std::string& name) {
+    return links.count(prefix + name) > 0 ? prefix + name : name;
+  };
   Srdf renamed = srdf;
   for (std::vector<Srdf::Pair>* pairs : {&renamed.disabled, &renamed.enabled}) {
     for (Srdf::Pair& pair : *pairs) {
-      pair.a = prefix + pair.a;
-      pair.b = prefix + pair.b;
+      pair.a = named(pair.a);
+      pair.b = named(pair.b);
     }
   }
   renamed.disabled_links.clear();
-  for (const std::string& link : srdf.disabled_links) renamed.disabled_links.insert(prefix + link);
+  for (const std::string& link : srdf.disabled_links) renamed.disabled_links.insert(named(link));
   return renamed;
 }
 

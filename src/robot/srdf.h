@@ -37,8 +37,9 @@ Srdf readSrdf(const std::string& xml);
 // not a regular file or cannot be read, and the errors of readSrdf().
 Srdf readSrdfFile(const std::string& path);
 
-// Returns the rules with `prefix` before the names of all links.
-Srdf prefixed(const Srdf& srdf, const std::string& prefix);
+// Returns the rules with `prefix` before each name that makes the name of one of `links`. Other
+// names stay as they are: they may be those of rigid objects.
+Srdf prefixed(const Srdf& srdf, const std::string& prefix, const std::set<std::string>& links);
 
 // Returns one line for each of these facts: the SRDF is for another robot than `robot` (empty: not
 // known), and it names links that are not among `links` (the first of them are listed).

@@ -72,7 +72,7 @@ TEST(SeveralRobots, EachSrdfGetsThePrefixOfItsRobot) {
   std::vector<RobotDescription> arms = threeArms();
   arms[1].srdf.robot = "psm";
   arms[1].srdf.disabled = {{"base", "tip", "Adjacent"}};
-  arms[1].srdf.enabled = {{"tip", "bare", ""}};
+  arms[1].srdf.enabled = {{"tip", "bare", ""}, {"table", "tip", ""}};
   arms[1].srdf.disabled_links = {"bare"};
   const RobotGeometry all = load(arms);
   EXPECT_TRUE(all.robots[0].srdf == Srdf());
@@ -81,6 +81,7 @@ TEST(SeveralRobots, EachSrdfGetsThePrefixOfItsRobot) {
   EXPECT_EQ(srdf.disabled[0].a + " " + srdf.disabled[0].b, "PSM2/base PSM2/tip");
   EXPECT_EQ(srdf.disabled[0].reason, "Adjacent");
   EXPECT_EQ(srdf.enabled[0].a + " " + srdf.enabled[0].b, "PSM2/tip PSM2/bare");
+  EXPECT_EQ(srdf.enabled[1].a + " " + srdf.enabled[1].b, "table PSM2/tip") << "a rigid object";
   EXPECT_EQ(srdf.disabled_links, (std::set<std::string>{"PSM2/bare"}));
 }
 

@@ -156,22 +156,24 @@ void MonitorScene::setAttached(const AttachedObjects& attached) {
   listPairs();
 }
 
-// Ends each hold whose object has a newer mesh with other triangles, and lists the pairs anew where
-// parts have come or gone. It runs before anything is looked up for the cycle's pairs, because a
-// link that held all of an object may have none of them.
-void MonitorScene::followHolds(const ros::Time& t, const MeshChoice& choose) {
+// Chooses the parts of objects in their newest meshes, ends each hold whose object has other
+// triangles now, and lists the pairs anew where parts have changed. It runs before anything is
+// looked up for the cycle's pairs, because a link that held all of an object may have none of them.
+void MonitorScene::followParts(const ros::Time& t, const MeshChoice& choose) {
   bool has_changed = false;
   for (std::size_t i = 0; i < choosers_.size(); ++i) {
     PartChooser& chooser = choosers_[i];
     const std::shared_ptr<const HeldPart> held = chooser.held();
     std::string why_not;
-    const IncomingMesh* const mesh = held == nullptr ? nullptr : choose(i, &why_not);
-    if (mesh == nullptr) continue;
+    const bool has_parts = held != nullptr || !parameters_.objects[i].parts.empty();
+    const IncomingMesh* const mesh = has_parts ? choose(i, &why_not) : nullptr;
+    if (mesh == nullptr || mesh->topology == nullptr) continue;
     const std::shared_ptr<const BodyParts> before = chooser.parts();
     chooser.update(*mesh);
     // After the clock has jumped back, the stamp of the hold says nothing.
-    const bool jumped = secondsBetween(held->stamp, t) > parameters_.max_mesh_age_s;
-    if (!chooser.fitsHeld() && (jumped || mesh->stamp() > held->stamp)) {
+    const bool jumped =
+        held != nullptr && secondsBetween(held->stamp, t) > parameters_.max_mesh_age_s;
+    if (held != nullptr && !chooser.fitsHeld() && (jumped || mesh->stamp() > held->stamp)) {
       const auto ended = rules_.attached.find(parameters_.objects[i].name);
       rules_.ended_holds.insert(*ended);
       rules_.attached.erase(ended);
@@ -317,7 +319,7 @@ TransformReport MonitorScene::prepareChosen(const ros::Time& t, const CycleTrigg
                                             const TransformLookup& lookup) {
   clearStatuses();
   markTriggered(trigger);
-  followHolds(t, choose);
+  followParts(t, choose);
   const std::vector<const IncomingMesh*> meshes = chooseMeshes(choose);
   const std::vector<bool> needed = neededBodies();
 

@@ -156,7 +156,7 @@ class MonitorScene {
   bool isAbout(const MonitoredPair& pair) const {
     return isOfCycle(bodies_, pair) && (!states_ || states_->has(pair));
   }
-  void followHolds(const ros::Time& t, const MeshChoice& choose);
+  void followParts(const ros::Time& t, const MeshChoice& choose);
   void applyMargin();
   void clearStatuses();
   void markTriggered(const CycleTrigger& trigger);

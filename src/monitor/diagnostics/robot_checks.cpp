@@ -51,7 +51,7 @@ void setSrdfs(const std::vector<RobotParameters>& parameters, const std::vector<
               RobotGeometry* robot) {
   std::map<std::string, DescribedRobot, std::greater<>> by_prefix;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    Srdf srdf = prefixed(srdfs[i], parameters[i].link_prefix);
+    Srdf srdf = prefixed(srdfs[i], parameters[i].link_prefix, robot->link_names);
     const auto [place, is_new] = by_prefix.emplace(parameters[i].link_prefix, DescribedRobot());
     Srdf& all = place->second.srdf;
     if (is_new) {

@@ -90,7 +90,7 @@ def _is_of(name, body):
     return name == body or name.startswith(body + ":")
 
 
-def _margin_of(margins, name):
+def margin_of(margins, name):
     """A part has the margin of its object, unless it has its own."""
     return margins.get(name, margins.get(name.rpartition(":")[0], margins["*"]))
 
@@ -229,7 +229,7 @@ class ContactReader:
         if margins is None:
             return "beyond the monitor's margin"
         return "beyond the margin of %g m" % min(
-            max(_margin_of(margins, name) for name in pair) for pair in pairs)
+            max(margin_of(margins, name) for name in pair) for pair in pairs)
 
     def contacts(self, body, now):
         """Its pairs that are known to touch, or to have touched since their last cycle. None is no
@@ -390,8 +390,8 @@ class ContactSubscriber:
         if margins is None:
             return
         below = [(state, margin_m) for state, margin_m in
-                 ((state, max(_margin_of(margins, state.body_a),
-                              _margin_of(margins, state.body_b))) for state in states.states)
+                 ((state, max(margin_of(margins, state.body_a),
+                              margin_of(margins, state.body_b))) for state in states.states)
                  if state.state != ALLOWED and margin_m < clearance_m]
         if below:
             state, margin_m = below[0]

@@ -91,8 +91,8 @@ void addOptions(CommandLine* line, DetectArguments* arguments) {
   line->add("--adjacent", &options.adjacent, kAdjacentHelp);
 }
 
-// Rejects a mesh's name as an output, which is most often a forgotten argument, and two outputs to
-// the same file.
+// Rejects the name of an input as an output, which is most often a forgotten argument, and two
+// outputs to the same file.
 void refuseOutputs(const DetectArguments& arguments) {
   const std::pair<std::string, std::string> outputs[] = {{"--pairs", arguments.pairs_file},
                                                          {"--times", arguments.times_file},
@@ -101,6 +101,9 @@ void refuseOutputs(const DetectArguments& arguments) {
                                                          {"--json", arguments.json_file}};
   for (const auto& [option, file] : outputs) {
     refuseMeshAsOutput(option, file);
+    if (!file.empty() && file == arguments.parts_file) {
+      refuseUsage(option + ": would write over " + file + ", which --parts reads");
+    }
     for (const auto& [other, other_file] : outputs) {
       if (option == other) break;
       if (file.empty() || file != other_file) continue;

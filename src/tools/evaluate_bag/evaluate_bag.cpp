@@ -91,8 +91,8 @@ std::string damage(const BagContents& contents) {
   if (!contents.problem.empty()) return contents.problem;
   for (const auto& [name, topic] : contents.topics) {
     if (topic.damaged == 0) continue;
-    return std::to_string(contents.damaged()) + " messages, the first on " + name + ": " +
-           topic.damage;
+    return std::to_string(contents.damaged()) + " messages, on " + name +
+           " for example: " + topic.damage;
   }
   return "";
 }

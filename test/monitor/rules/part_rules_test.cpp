@@ -283,6 +283,23 @@ TEST_F(PartRules, BothSidesCount) {
   EXPECT_TRUE(rules_.verdict(cloth_, rug, 1, 1).allowed);
 }
 
+// Otherwise a pair whose parts are all allowed would seem to be apart.
+TEST_F(PartRules, WherePartsCoverTheObjectTheyDecide) {
+  rules_.allowed.add(rule("hand", "cloth:*", true));
+  const PairClasses classes{true, false, false, false};
+  const auto isAllowed = [&](const std::vector<std::size_t>& triangles, const char* problem) {
+    BodyParts parts = *cloth_.parts;
+    parts.triangles = triangles;
+    parts.problem = problem;
+    cloth_.parts = std::make_shared<const BodyParts>(parts);
+    return monitoredPairs({hand_, cloth_}, classes, rules_).at(0).allowed;
+  };
+  EXPECT_TRUE(isAllowed({0, 3, 5}, ""));
+  EXPECT_FALSE(isAllowed({1, 3, 5}, ""));
+  EXPECT_FALSE(isAllowed({0, 3, 5}, "other triangles"));
+  EXPECT_FALSE(isAllowed({0, 0, 0}, "")) << "before the first mesh";
+}
+
 TEST_F(PartRules, PairsOfPartsFollowFromThem) {
   const std::vector<BodyStatus> bodies = {hand_, cloth_};
   rules_.allowed.add(rule("hand", "cloth:hem", true));
