@@ -130,6 +130,12 @@ void* toStream(const Interface& interface, std::optional<std::uintptr_t> given) 
   return toPointer<void>(handle);
 }
 
+// Returns whether numpy would take the values of an array that its mask declares invalid.
+bool hasMask(py::handle value) {
+  return py::hasattr(value, "mask") &&
+         py::module::import("numpy.ma").attr("is_masked")(value).cast<bool>();
+}
+
 // Returns the shape as Python shows it, for example (3, 2).
 std::string shapeOf(const py::array& array) { return py::str(array.attr("shape")); }
 
@@ -145,6 +151,7 @@ struct Argument {
 
   // Returns the value as an array of any type and shape; copies nothing if it is an array.
   py::array toArray(py::handle value) const {
+    if (hasMask(value)) refuse("has masked values; fill or leave them out first");
     py::array array = py::array::ensure(value);
     if (array) return array;
     // numpy cannot read device memory, so the message names the function that can.
@@ -237,6 +244,7 @@ DeviceArray toDeviceArray(py::handle vertices, std::optional<std::uintptr_t> str
 py::array toHostArray(py::handle value, const std::string& name) {
   const py::object fields = deviceInterface(value);
   if (!fields) {
+    if (hasMask(value)) throw std::invalid_argument(name + " has masked values");
     py::array array = py::array::ensure(value);
     if (array) return array;
     PyErr_Clear();
@@ -304,6 +312,9 @@ RigidTransform toPose(py::handle rotation, py::handle translation, const std::st
   RigidTransform pose;
   copyReal({body, "rotation"}, rotation, {3, 3}, pose.rotation);
   copyReal({body, "translation"}, translation, {3}, pose.translation);
+  if (isFinite(pose) && !isRotation(pose.rotation)) {
+    Argument{body, "rotation"}.refuse("is no rotation: it scales, shears or mirrors");
+  }
   return pose;
 }
 

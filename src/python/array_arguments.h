@@ -37,7 +37,8 @@ std::vector<std::uint32_t> toTriangles(pybind11::handle triangles, std::size_t v
                                        const std::string& body);
 
 // Converts a rotation, shape (3, 3), and a translation, shape (3,) [m], both of real numbers.
-// Whether they are finite is checked by Scene::setPose().
+// Rejects finite ones of which isRotation() says no; whether they are finite is checked by
+// Scene::setPose().
 RigidTransform toPose(pybind11::handle rotation, pybind11::handle translation,
                       const std::string& body);
 

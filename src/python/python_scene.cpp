@@ -62,7 +62,8 @@ constexpr const char* kSetPoseText = R"(Where the body is: p_scene = rotation p_
 
 rotation: (3, 3). translation: (3,) [m]. Both float64. A vertex in the scene's frame is the float32
 of that sum; the identity leaves it untouched.
-Raises ValueError at a wrong shape or a number that is not finite.)";
+Raises ValueError at a wrong shape, a number that is not finite, or a rotation that scales, shears or
+mirrors (by more than 1e-3).)";
 
 constexpr const char* kSetMarginText = R"(At which distance triangles of the body count [m], >= 0.
 

@@ -40,20 +40,20 @@ constexpr const char* kCheckText = R"(Decides states: in each, the bodies have o
 bodies: ids of the k bodies that move, each once.
 poses: (n, k, 4, 4) real numbers, scene frame from body frame: the poses of the bodies in their order,
     state by state, in host memory or, as CuPy, Numba and PyTorch have it, in that of a CUDA device,
-    from where it is copied. The last row of each is 0 0 0 1. A state with a pose that is not finite
-    is unknown. Robot.poses() makes them of joint positions.
+    from where it is copied. Each is a rotation and a translation, with the last row 0 0 0 1. A state
+    with a pose that is not finite is unknown. Robot.poses() makes them of joint positions.
 pairs: whether results list all pairs of bodies that touch (StateResults.pairs). Otherwise a state is
     done at its first contact.
 nearest: whether results have the distance and the nearest triangles of each state within the margins
     (Scene.set_margin).
 max_time_s: when the check ends early [s]; states that were not decided are unknown. None: never.
 Only enabled pairs of two bodies of which one moves are looked at. Other threads run meanwhile.
-Raises ValueError for a wrong shape, a body that does not exist or is there twice, and a negative
+Raises ValueError for a wrong shape, a pose that is not rigid, a body that does not exist or is there twice, and a negative
 time; RuntimeError where the backend fails ('auto' goes on on the CPU instead), or where another
 thread uses this checker.)";
 
 // Returns the poses as the core has them. Throws std::invalid_argument for another shape than (n,
-// k, 4, 4), and for last rows that are not 0 0 0 1.
+// k, 4, 4), for last rows that are not 0 0 0 1, and for finite poses that are not rigid.
 std::vector<RigidTransform> toPoses(py::handle poses, std::size_t bodies) {
   using Doubles = py::array_t<double, kPlain>;
   const auto refuse = [](const std::string& what) { throw std::invalid_argument("poses " + what); };
@@ -79,6 +79,10 @@ std::vector<RigidTransform> toPoses(py::handle poses, std::size_t bodies) {
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) all[i].rotation[3 * r + c] = from[4 * r + c];
       all[i].translation[r] = is_nan ? last[0] + last[1] + last[2] + last[3] : from[4 * r + 3];
+    }
+    if (isFinite(all[i]) && !isRotation(all[i].rotation)) {
+      refuse("of state " + std::to_string(i / bodies) + ": pose " + std::to_string(i % bodies) +
+             " is no rotation: it scales, shears or mirrors");
     }
   }
   return all;

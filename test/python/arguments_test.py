@@ -185,6 +185,17 @@ class Refusals(unittest.TestCase):
                      self.scene.set_pose, 0, rotation * 1j, [0, 0, 0])
         self.refused("cloth: its pose has a non-finite number", self.scene.set_pose, 0, rotation,
                      [0, float("nan"), 0])
+        for wrong in 2 * rotation, -rotation, numpy.diag([1, 1, -1]), numpy.zeros((3, 3)), \
+                rotation + numpy.eye(3, k=1) / 100:
+            for function in self.scene.set_pose, self.scene.set_earlier:
+                self.refused("cloth: rotation is no rotation: it scales, shears or mirrors",
+                             function, 0, rotation=wrong, translation=[0, 0, 0])
+        self.scene.set_pose(0, rotation + 1e-5, [0, 0, 0])  # as rounded by others
+
+    def test_masked_arrays(self):
+        masked = numpy.ma.masked_greater(numpy.array(VERTICES, float), 0.5)
+        self.refused("cloth: vertices has masked values; fill or leave them out first", self.scene.set_vertices, 0, masked)
+        self.scene.set_vertices(0, numpy.ma.array(VERTICES))  # nothing is masked
 
     def test_margins(self):
         self.refused("cloth: margin -1.000000 m is not a finite number >= 0",

@@ -26,6 +26,7 @@ def soup(rng, triangles, on_grid=False):
 
 def random_pose(rng):
     rotation, _ = numpy.linalg.qr(rng.normal(size=(3, 3)))
+    rotation *= numpy.linalg.det(rotation)  # it does not mirror
     return rotation, rng.uniform(-1, 1, 3)
 
 

@@ -81,7 +81,7 @@ class States(unittest.TestCase):
         poses = numpy.tile(at(0, 0, 5), (4, 1, 1, 1))
         poses[1, 0, 0, 3] = numpy.nan
         poses[2] = numpy.nan
-        poses[3, 0, 2, 2] = 1e39
+        poses[3, 0, 2, 3] = 1e39
         states = self.checker.check(self.scene, [self.one], poses, nearest=True)
         self.assertEqual(states.unknown.tolist(), [False, True, True, True])
         self.assertEqual(states.free.tolist(), [True, False, False, False])
@@ -135,7 +135,10 @@ class States(unittest.TestCase):
                                    ([1, 2], good, r"shape \(n, 2, 4, 4\), but have \(1, 1, 4, 4\)"),
                                    ([1], good[0], r"but have \(1, 4, 4\)"),
                                    ([1], [["a"]], "real numbers"),
-                                   ([1], transposed, "state 0: the last row of pose 0 is not")):
+                                   ([1], transposed, "state 0: the last row of pose 0 is not"),
+                                   ([1, 2], [[at(0, 0, 5), numpy.diag([2, 2, 2, 1])]],
+                                    "state 0: pose 1 is no rotation"),
+                                   ([1], numpy.ma.masked_equal(good, 5), "masked values")):
             with self.assertRaisesRegex(ValueError, why):
                 self.checker.check(self.scene, bodies, poses)
         with self.assertRaisesRegex(ValueError, "max_time_s"):

@@ -23,11 +23,13 @@ struct Collada {
   std::string nodes = "<node>" + kGeometry + "</node>";  // of the scene
   std::string libraries = "";
   std::string triangles = kTriangles;
+  std::string asset = "<asset/>";
 
   // Returns a COLLADA file with three vertices.
   std::string text() const {
     return "<?xml version=\"1.0\"?><COLLADA "
-           "xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset/>"
+           "xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\">" +
+           asset +
            "<library_geometries><geometry id=\"g\"><mesh><source id=\"p\">"
            "<float_array id=\"q\" count=\"9\">0 0 0 1 0 0 0 2 3</float_array><technique_common>"
            "<accessor source=\"#q\" count=\"3\" stride=\"3\"><param name=\"X\" type=\"float\"/>"
@@ -138,6 +140,27 @@ class HostileMeshFile : public ::testing::Test {
 
   const TemporaryFolder folder_;
 };
+
+// Assimp would take 1 m for a length that it cannot read.
+TEST_F(HostileMeshFile, AUnitThatIsNoLength) {
+  Collada collada;
+  for (const std::string meter : {" 0.001 ", "", "0", "-1", "mm", "0,001", "nan"}) {
+    collada.asset = "<asset><unit meter=\"" + meter + "\"/></asset>";
+    EXPECT_NE(refusal("t.dae", collada.text()).find("is no length above 0"), std::string::npos)
+        << meter;
+  }
+  for (const std::string unit : {"<unit/>", "<unit meter=\"1e-3\"/>", "<unit meter=\"2.5\"/>"}) {
+    collada.asset = "<asset>" + unit + "</asset>";
+    expectTheTriangle("t.dae", collada.text());
+  }
+}
+
+// Assimp crashes there.
+TEST_F(HostileMeshFile, ANodeThatSkews) {
+  Collada collada;
+  collada.nodes = "<node><skew>30 1 0 0 0 1 0</skew>" + kGeometry + "</node>";
+  EXPECT_NE(refusal("t.dae", collada.text()).find("<skew> is not supported"), std::string::npos);
+}
 
 // Assimp follows such nodes until its stack overflows. The reader process crashes, and its parent
 // says so.

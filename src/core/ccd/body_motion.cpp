@@ -15,26 +15,7 @@ namespace {
 
 // Covers the rounding errors of double arithmetic in this file, with much to spare.
 constexpr double kSlack = 1 + 1e-7;
-constexpr double kHalfUlp = 1.0 / (1 << 24);       // of the number 1 as float32
-constexpr double kLargestDefectOfRotation = 1e-3;  // distance of R^T R from the identity
-
-// Returns the Frobenius norm of R^T R - identity, which bounds its operator norm.
-double defectOf(const double r[9]) {
-  double sum = 0;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      const double x = r[i] * r[j] + r[3 + i] * r[3 + j] + r[6 + i] * r[6 + j] - (i == j ? 1 : 0);
-      sum += x * x;
-    }
-  }
-  return std::sqrt(sum);
-}
-
-// A negative determinant tells that the matrix mirrors.
-double determinant(const double r[9]) {
-  return r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
-         r[2] * (r[3] * r[7] - r[4] * r[6]);
-}
+constexpr double kHalfUlp = 1.0 / (1 << 24);  // of the number 1 as float32
 
 void multiply(const double a[9], const double b[9], double product[9]) {
   for (int i = 0; i < 3; ++i) {
@@ -116,9 +97,7 @@ void validate(const BodyPath& path, const std::string& name) {
     if (i > 0 && !(path[i - 1].at < path[i].at)) refuse("does not ascend at " + sample);
     const RigidTransform& pose = path[i].pose;
     if (!isFinite(pose)) refuse("has a non-finite number in " + sample);
-    if (defectOf(pose.rotation) > kLargestDefectOfRotation || determinant(pose.rotation) < 0) {
-      refuse("has no rotation in " + sample);
-    }
+    if (!isRotation(pose.rotation)) refuse("has no rotation in " + sample);
   }
 }
 
@@ -170,7 +149,7 @@ BodyMotion::BodyMotion(const Body& body, const BodyPath& path) : body_(&body), p
   for (std::size_t i = 0; i < path.size(); ++i) {
     const RigidTransform& pose = path[i].pose;
     if (i > 0) pieces_.push_back(pieceBetween(path[i - 1].pose, pose));
-    stretch = std::max(stretch, 1 + defectOf(pose.rotation));
+    stretch = std::max(stretch, 1 + rotationDefect(pose.rotation));
     const double* t = pose.translation;
     farthest_ = std::max(farthest_, lengthOf(t[0], t[1], t[2]));
   }

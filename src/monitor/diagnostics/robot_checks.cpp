@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "monitor/cycle_report.h"
 #include "robot/nearest_name.h"
 
 namespace deformable_contact_monitor {
@@ -80,6 +81,10 @@ void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters)
       if (link.link == object.name) {
         throw std::runtime_error("'" + object.name +
                                  "' is the name of a link and of an object; rename the object");
+      }
+      if (link.link == object.name + ":" + kHeldPart) {
+        throw std::runtime_error("'" + link.link + "' is the name of a link and of the part of '" +
+                                 object.name + "' that ~attach_object makes; rename the object");
       }
       for (const PartParameters& part : object.parts) {
         if (link.link != object.name + ":" + part.name) continue;

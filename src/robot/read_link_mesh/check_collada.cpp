@@ -73,6 +73,11 @@ class Visitor : public tinyxml2::XMLVisitor {
       if (!is_new) entry->second = std::min(entry->second, size);
     } else if (name == "accessor") {
       accessors_.push_back(&element);
+    } else if (name == "unit") {
+      requireLength(element);
+    } else if (name == "skew") {
+      fail(element.GetLineNum(),
+           "<skew> is not supported; export the mesh with its transforms applied");
     }
     return true;
   }
@@ -103,6 +108,18 @@ class Visitor : public tinyxml2::XMLVisitor {
   }
 
  private:
+  // Assimp would read a length with blanks around it as 1 m.
+  static void requireLength(const XMLElement& unit) {
+    const char* const meter = unit.Attribute("meter");
+    if (meter == nullptr) return;
+    double length_m = 0;
+    const bool is_plain =
+        std::string(meter).find_first_not_of("0123456789.eE+-") == std::string::npos;
+    if (is_plain && tinyxml2::XMLUtil::ToDouble(meter, &length_m) && length_m > 0) return;
+    fail(unit.GetLineNum(),
+         "<unit meter=\"" + shortened(meter) + "\"> is no length above 0 written without blanks");
+  }
+
   // Assimp would read a negative index or a signed count as 0, and a large one modulo 2^32.
   static void requireIndices(const XMLElement& list) {
     for (const tinyxml2::XMLNode* n = list.FirstChild(); n != nullptr; n = n->NextSibling()) {

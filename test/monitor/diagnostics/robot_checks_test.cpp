@@ -72,6 +72,18 @@ TEST(RobotChecksTest, ALinkAndAnObjectOfOneNameAreRefused) {
             "'foot' is the name of a link and of an object; rename the object");
 }
 
+TEST(RobotChecksTest, ALinkNamedAsAHeldPartIsRefused) {
+  RobotGeometry geometry = robot();
+  MonitorParameters parameters;
+  parameters.objects = {{"cloth", "", 0, true}};
+  geometry.links[0].link = "cloth:hem";
+  EXPECT_NO_THROW(checkRobot(geometry, parameters));
+  geometry.links[0].link = "cloth:held";
+  EXPECT_EQ(refusal<std::runtime_error>([&] { checkRobot(geometry, parameters); }),
+            "'cloth:held' is the name of a link and of the part of 'cloth' that ~attach_object "
+            "makes; rename the object");
+}
+
 // Without a URDF, the longest prefix of a link's name says whose it is.
 TEST(RobotChecksTest, LinksThatWereSentBelongToTheRobotOfTheirPrefix) {
   RobotGeometry sent;
