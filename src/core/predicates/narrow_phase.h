@@ -131,8 +131,8 @@ struct PairFacts {
   float margin_m = 0;
 };
 
-// Decides, as far as float32 is certain, whether two triangles for which isCandidate() holds
-// intersect, or meet beyond what they share.
+// Decides, as far as float32 is certain, whether two triangles intersect, or meet beyond what they
+// share. The known sides must not part them: isCandidate() holds without a margin.
 DCM_HD inline PartVerdict certainVerdict(const Triangle& a, const Triangle& b,
                                          const PairFacts& facts) {
   if (facts.shared.any) return beyondSharedVerdict(facts.shared, facts.sides);
@@ -153,7 +153,12 @@ DCM_HD inline PartVerdict certainVerdict(const Triangle& a, const Triangle& b,
 // vertices it decides whether they meet beyond them. kApart says nothing about margins.
 DCM_HD inline PartVerdict quickVerdict(const Triangle& a, const Triangle& b, const PairFacts& facts,
                                        Predicates mode) {
-  if (mode == Predicates::kFast) return certainVerdict(a, b, facts);
+  if (mode == Predicates::kFast) {
+    // A pair with a margin is a candidate also if a plane parts its triangles.
+    const bool parted = !facts.shared.any && (detail::strictlyOnOneSide(facts.sides.a) ||
+                                              detail::strictlyOnOneSide(facts.sides.b));
+    return parted ? PartVerdict::kApart : certainVerdict(a, b, facts);
+  }
   if (!facts.shared.any) {
     const PartVerdict verdict = quickIntersection(a, b, facts.sides, mode);
     return verdict != PartVerdict::kOpen ? verdict : touchVerdict(a, b);

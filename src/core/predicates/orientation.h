@@ -263,8 +263,15 @@ DCM_HD inline int orient3dFiltered(const Vec3f& a, const Vec3f& b, const Vec3f& 
   return permanent == 0 ? 0 : kUncertain;  // no term was rounded to zero: common in flat scenes
 }
 
+// Returns whether two of three points are equal, as two of each triangle of a rope. A determinant
+// with both is 0, though its rounded terms may not add up to that.
+DCM_HD inline bool haveEqual(const Vec3f& b, const Vec3f& c, const Vec3f& d) {
+  return b == c || b == d || c == d;
+}
+
 // Returns the sign in float32, without any bound on its error.
 DCM_HD inline int orient3dFast(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
+  if (haveEqual(b, c, d)) return 0;
   const Vec3f u = b - a, v = c - a, w = d - a;
   return signOf(u.x * (v.y * w.z - v.z * w.y) + u.y * (v.z * w.x - v.x * w.z) +
                 u.z * (v.x * w.y - v.y * w.x));
@@ -278,7 +285,7 @@ DCM_HD DCM_RARE inline int orient3d(const Vec3f& a, const Vec3f& b, const Vec3f&
   const int filtered = orient3dFiltered(a, b, c, d);
   if (filtered != kUncertain) return filtered;
   if (state.mode == Predicates::kConservative) {
-    state.undecided = true;
+    if (!haveEqual(b, c, d)) state.undecided = true;
     return 0;
   }
   ++state.exact;
@@ -372,7 +379,7 @@ DCM_HD DCM_RARE inline int orient2d(const Vec3f& a, const Vec3f& b, const Vec3f&
     const int filtered = orient2dFiltered(a, b, c, axis);
     if (filtered != kUncertain) return filtered;
     if (state.mode == Predicates::kConservative) {
-      state.undecided = true;
+      if (!(b == c)) state.undecided = true;
       return 0;
     }
     ++state.exact;

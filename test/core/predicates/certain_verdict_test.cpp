@@ -12,6 +12,7 @@
 #include "core/predicates/narrow_phase.h"
 #include "exact_points.h"
 #include "hard_orientations.h"
+#include "pair_verdict.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -259,6 +260,38 @@ TEST(CertainVerdict, LeavesOpenWhatTheFiltersLeave) {
   facts.shared = sharedVertices(a, along_an_edge);
   ASSERT_TRUE(isCandidate(a, along_an_edge, facts));
   EXPECT_EQ(PartVerdict::kOpen, certainVerdict(a, along_an_edge, facts)) << "an edge in the plane";
+}
+
+// Triangles, the segments of ropes, and points, of which the exact verdict says that they are
+// apart.
+TEST(Modes, WhatIsClearlyApartTouchesInNone) {
+  Dice dice(7);
+  int checked[3] = {0, 0, 0};
+  for (int i = 0; i < kPairs; ++i) {
+    const Vec3f off = dice.point() * 0.5F;
+    const Triangle a{{dice.point(), dice.point(), dice.point()}};
+    Triangle b{{off + dice.point(), off + dice.point(), off + dice.point()}};
+    const int kind = i % 3;
+    if (kind > 0) b.v[2] = b.v[1];
+    if (kind > 1) b.v[1] = b.v[2] = b.v[0];
+    PredicateState exact;
+    const double apart_m = trianglesIntersect(a, b, exact) ? 0 : separation(a, b);
+    if (apart_m < 0.01) continue;
+    ++checked[kind];
+    for (const Predicates mode :
+         {Predicates::kExact, Predicates::kConservative, Predicates::kFast}) {
+      for (const float margin_m : {0.0F, 0.375F, 4.0F}) {
+        PredicateState state{mode};
+        const Verdict verdict =
+            pairVerdict(a, b, false, AdjacentPairs::kBeyondShared, margin_m, state);
+        SCOPED_TRACE(testing::Message() << "pair " << i << ", " << toString(mode) << ", margin "
+                                        << margin_m << ", apart " << apart_m);
+        ASSERT_EQ(verdict.contact, static_cast<float>(apart_m) <= margin_m);
+        if (verdict.contact) ASSERT_EQ(verdict.separation_m, static_cast<float>(apart_m));
+      }
+    }
+  }
+  for (const int count : checked) EXPECT_GT(count, kPairs / 12);
 }
 
 }  // namespace
