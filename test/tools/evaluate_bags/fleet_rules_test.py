@@ -10,10 +10,22 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "src/tools/evaluate_bags"))
-from fleet.baseline import BaselineError, is_allowed, read_allowed
+from fleet.baseline import BaselineError, compare, is_allowed, read_allowed
 from fleet.changes import Change, changes_of
 from fleet.pair_hashes import read_pair_hashes, write_pair_hashes
 from fleet.progress import Progress
+
+
+def episodes(*of, state="CONTACT"):
+    """Returns links of episodes, each from 0 to 20 s: its times in the state, and NONE between."""
+    links = []
+    for times in of:
+        begin = 0.0
+        for first, last in times:
+            links += [("NONE", f"{begin}", f"{float(first) - .1:.3f}"), (state, first, last)]
+            begin = round(float(last) + .1, 3)
+        links.append(("NONE", f"{begin}", "20.0"))
+    return {"links": links}
 
 
 class Rules(unittest.TestCase):
@@ -24,21 +36,27 @@ class Rules(unittest.TestCase):
         self.folder = folder.name
 
     def evaluation(self, name, links, pairs=(), ms=1.0, expectations=()):
+        """`links`: (state, from, to), with a cycle each 0.1 s. `pairs`: (stamp, triangle,
+        triangle), and the cycle, if it is not 1."""
         folder = os.path.join(self.folder, name)
-        os.mkdir(folder)
+        os.makedirs(folder)
         with open(folder + "/links.csv", "w") as file:
             file.write("run,body_a,body_b,state,from,to,cycles,least_pairs,most_pairs\n")
             for state, begin, end in links:
-                file.write(f"cpu,hand,cloth,{state},{begin},{end},1,1,1\n")
+                cycles = round((float(end) - float(begin)) / .1) + 1
+                # Rows are in the order of their ends, so those of another run may be the first.
                 file.write(f"other,hand,cloth,CONTACT,0.{len(name)},9.0,1,1,1\n")
+                file.write(f"cpu,hand,cloth,{state},{begin},{end},{cycles},1,1\n")
         with open(folder + "/pairs.csv", "w") as file:
             table = csv.writer(file)
             table.writerow("cycle,stamp,body_a,triangle_a,body_b,triangle_b".split(","))
-            table.writerows((1, stamp, "hand", a, "cloth", b) for stamp, a, b in pairs)
+            table.writerows((*(cycle or [1]), stamp, "hand", a, "cloth", b)
+                            for stamp, a, b, *cycle in pairs)
         write_pair_hashes(folder)
         with open(folder + "/summary.json", "w") as file:
-            json.dump({"times": {"runs": [{"detect_ms": {"median": ms}}]}, "expectations": [
-                {"text": text, "holds": holds} for text, holds in expectations]}, file)
+            json.dump({"runs": [{"name": "cpu"}, {"name": "other"}],
+                       "times": {"runs": [{"detect_ms": {"median": ms}}]}, "expectations": [
+                           {"text": text, "holds": holds} for text, holds in expectations]}, file)
         return folder
 
     def kinds(self, old, new):
@@ -49,27 +67,85 @@ class Rules(unittest.TestCase):
 
     def test_contacts(self):
         def links(*contacts, state="CONTACT"):
-            return {"links": [(state, *contact) for contact in contacts]}
+            return episodes(contacts, state=state)
         one = links(("1.0", "2.0"))
         self.assertEqual(self.kinds(one, one), [])
         self.assertEqual(self.kinds(one, links(("1.1", "2.0"))), [("began", .1)])
         self.assertEqual(self.kinds(one, links(("1.0", "1.5"))), [("ended", .5)])
-        self.assertEqual(self.kinds(one, links(("3.0", "4.0"))), [("appeared", 0), ("vanished", 0)])
+        self.assertEqual(self.kinds(one, links(("3.0", "4.0"))), [("vanished", 0), ("appeared", 0)])
         self.assertEqual(self.kinds(links(), one), [("appeared", 0)])
         self.assertEqual(self.kinds(one, links()), [("vanished", 0)])
         self.assertEqual(self.kinds(one, links(("1.0", "1.2"), ("1.6", "2.0"))),
                          [("ended", float("inf"))])
         self.assertEqual(self.kinds(links(("1.0", "1.2"), ("1.6", "2.0")), one),
-                         [("ended", .8), ("began", .6)])
+                         [("ended", float("inf"))])
+        self.assertEqual(self.kinds(links(("1.0", "1.2"), ("1.6", "2.0")),
+                                    links(("1.0", "1.6"), ("1.8", "2.0"))),
+                         [("ended", .4), ("began", .2)])
         self.assertEqual(self.kinds(one, links(("1.0", "2.0"), state="UNKNOWN")),
                          [("vanished", 0), ("unknown", 0)])
         self.assertEqual(self.kinds(links(("10.0", "11.0")), links(("9.0", "11.0"))),
                          [("began", 1)])
 
+    def test_a_contact_of_one_episode(self):
+        """It is no counterpart of another episode's, although their stamps are the same."""
+        for shift in (0, .003):
+            contact = (f"{1 + shift}", f"{2 + shift}")
+            both = episodes([contact], [("1.0", "2.0")])
+            self.assertEqual(self.kinds(both, both), [])
+            for less in (episodes([], [("1.0", "2.0")]), episodes([contact], [])):
+                self.assertEqual(self.kinds(both, less), [("vanished", 0)])
+                self.assertEqual(self.kinds(less, both), [("appeared", 0)])
+        both = dict(episodes([("1.0", "2.0")], [("1.0", "2.0")]),
+                    pairs=[("1.0", 1, 2), ("1.0", 1, 2, 2)])
+        less = dict(episodes([], [("1.0", "2.0")]), pairs=[("1.0", 1, 2)])
+        moved = dict(both, pairs=[("1.0", 1, 2), ("1.0", 1, 3, 2)])
+        self.assertEqual(self.kinds(both, less), [("vanished", 0)])
+        self.assertEqual(self.kinds(both, moved), [("moved", 1)])
+
+    def test_unknown_in_one_episode(self):
+        times = [("1.0", "2.0")]
+        both, less = (episodes(first, times, state="UNKNOWN") for first in (times, []))
+        self.assertEqual(self.kinds(both, both), [])
+        self.assertEqual(self.kinds(both, less), [("unknown", 0)])
+        self.assertEqual(self.kinds(less, both), [("unknown", 0)])
+
+    def test_less_was_looked_at(self):
+        for state in ("NONE", "CONTACT", "UNKNOWN"):
+            def links(*spans, of=state):
+                return {"links": [(of, begin, end) for begin, end in spans]}
+            whole = links(("1.0", "1.9"), ("2.0", "9.0"))
+            for less in (links(("1.0", "1.9"), ("2.0", "8.0")),
+                         links(("2.0", "9.0"), ("9.1", "10.0")),
+                         links(("0.0", "0.9"), ("1.0", "8.0"))):
+                self.assertIn("unknown", [kind for kind, _ in self.kinds(whole, less)], state)
+        twice = links(("1.0", "3.0"), ("1.0", "3.0"), of="NONE")
+        self.assertEqual(self.kinds(twice, links(("1.0", "3.0"), of="NONE")), [("unknown", 0)])
+        self.assertEqual(self.kinds(links(("1.0", "3.0"), of="NONE"), twice), [])
+        texts = [change.text for change in changes_of(
+            "a.bag", self.evaluation("long", **links(("1.0", "9.0"), of="NONE")),
+            self.evaluation("short", **links(("1.0", "3.0"), of="NONE")))]
+        self.assertIn("looked at in 21 cycles from 1.0 to 3.0, before 81 from 1.0 to 9.0", texts)
+
+    def test_a_bag_that_fails_costs_itself_alone(self):
+        def write(out):
+            for name in ("a.bag", "b.bag"):
+                self.evaluation(f"{out}/bags/{name}", **episodes([("1.0", "2.0")]))
+        write("old")
+        write("new")
+        with open(os.path.join(self.folder, "old/bags/a.bag/links.csv"), "a") as file:
+            file.write("cpu,hand,cloth,NONE,,,,,\n")
+        found = compare(*(os.path.join(self.folder, of) for of in ("old", "new")),
+                        ["a.bag", "b.bag"])
+        self.assertEqual([(c.bag, c.kind) for c in found],
+                         [("a.bag", "bag"), ("b.bag", "latency")])
+        self.assertRegex(found[0].text, "cannot be compared: ValueError: ")
+
     def test_what_is_no_longer_judged(self):
         def links(state):
             return {"links": [(state, "1.0", "2.0")] if state else []}
-        for old, new in (("NONE", None), ("NONE", "ALLOWED"), ("ALLOWED", "NONE"), ("NONE", "UNKNOWN")):
+        for old, new in (("NONE", None), ("NONE", "ALLOWED"), ("ALLOWED", "NONE"),
+                         ("NONE", "UNKNOWN")):
             with self.subTest(old=old, new=new):
                 self.assertEqual(self.kinds(links(old), links(new)), [("unknown", 0)])
         self.assertEqual(self.kinds(links(None), links("NONE")), [])

@@ -79,7 +79,12 @@ def compare(baseline, out, names):
         has_old, has_new = (os.path.exists(os.path.join(folder, "summary.json"))
                             for folder in (old, new))
         if has_old and has_new:
-            found += changes_of(name, old, new)
+            try:
+                found += changes_of(name, old, new)
+            except Exception as error:  # pylint: disable=broad-except
+                # Whatever fails for one bag must not cost the report of the others.
+                text = " ".join(f"cannot be compared: {type(error).__name__}: {error}".split())
+                found.append(Change(name, "bag", (), text, 0))
         elif has_old:
             found.append(Change(name, "bag", (), "has no result, and had one before", 0))
         elif has_new:

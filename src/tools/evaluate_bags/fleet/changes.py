@@ -11,6 +11,8 @@ TOUCHING = ("CONTACT", "PASSED")
 
 # kind: one of KINDS; amount: seconds of began and ended, cycles of moved, the ratio of latency.
 Change = collections.namedtuple("Change", "bag kind bodies text amount")
+# A time in which two bodies kept one state. Stamps are text.
+Stretch = collections.namedtuple("Stretch", "episode begin end cycles")
 KINDS = ("appeared", "vanished", "began", "ended", "moved", "unknown", "expectation", "latency",
          "bag")
 
@@ -20,56 +22,100 @@ def read_summary(folder):
         return json.load(file)
 
 
-def _stretches(folder):
-    """Returns {(body_a, body_b): {state: [(from, to)]}} in the order of time. Stamps are text."""
-    found, first = {}, None
+def _stretches(folder, run):
+    """Returns {(body_a, body_b): {state: [Stretch]}} of a run. The rows of two bodies are in the
+    order of their cycles; an episode begins where the clock goes back."""
+    found, last = {}, {}
     with open(os.path.join(folder, "links.csv"), newline="", errors="replace") as file:
         for row in csv.DictReader(file):
-            first = first or row["run"]
-            if row["run"] != first:
+            if row["run"] != run:
                 continue
+            bodies = (row["body_a"], row["body_b"])
+            episode, end = last.get(bodies, (0, row["from"]))
+            if float(row["from"]) < float(end):
+                episode += 1
+            last[bodies] = (episode, row["to"])
             state = TOUCHING[0] if row["state"] in TOUCHING else row["state"]
-            states = found.setdefault((row["body_a"], row["body_b"]), {})
-            states.setdefault(state, []).append((row["from"], row["to"]))
-    for states in found.values():
-        for stretches in states.values():
-            stretches.sort(key=lambda stretch: float(stretch[0]))
+            found.setdefault(bodies, {}).setdefault(state, []).append(
+                Stretch(episode, row["from"], row["to"], int(row["cycles"])))
     return found
 
 
-def _overlap(a, b):
-    return float(a[0]) <= float(b[1]) and float(b[0]) <= float(a[1])
+def _by_time(stretch):
+    return stretch[0], float(stretch[1])
+
+
+def _overlapping(old, new):
+    """Returns [([old stretches], [new ones])], where those of an entry overlap. Two stretches of
+    one run never do, so mostly an entry has one of each."""
+    groups, last = [], (-1, 0.0)
+    every = [(stretch, side) for side, of in enumerate((old, new)) for stretch in of]
+    for stretch, side in sorted(every, key=lambda entry: _by_time(entry[0])):
+        if _by_time(stretch) > last:
+            groups.append(([], []))
+        groups[-1][side].append(stretch)
+        last = max(last, (stretch.episode, float(stretch.end)))
+    return groups
+
+
+def _of_ends(begins, ends):
+    """Yields what differs between (old, new) begins and ends."""
+    for kind, (was, now) in (("began", begins), ("ended", ends)):
+        if was != now:
+            by = float(now) - float(was)
+            yield kind, f"at {now}, before at {was} ({by:+.3f} s)", abs(by)
 
 
 def _of_stretches(old, new):
     """Yields (kind, text, amount) for the contacts of two bodies."""
-    for stretch in new:
-        if not any(_overlap(stretch, other) for other in old):
-            yield "appeared", f"contact from {stretch[0]} to {stretch[1]}", 0
-    for stretch in old:
-        others = [other for other in new if _overlap(stretch, other)]
-        if not others:
-            yield "vanished", f"contact from {stretch[0]} to {stretch[1]}", 0
-            continue
-        for kind, was, now in (("began", stretch[0], others[0][0]),
-                               ("ended", stretch[1], others[-1][1])):
-            if was != now:
-                by = float(now) - float(was)
-                yield kind, f"at {now}, before at {was} ({by:+.3f} s)", abs(by)
-        if len(others) > 1:
-            yield "ended", f"{len(others)} contacts where one was, from {others[0][0]} to " \
-                           f"{others[-1][1]}", float("inf")
+    for was, now in _overlapping(old, new):
+        if not was or not now:
+            for stretch in was + now:
+                yield ("vanished" if was else "appeared",
+                       f"contact from {stretch.begin} to {stretch.end}", 0)
+        elif len(was) == len(now):
+            for a, b in zip(was, now):
+                yield from _of_ends((a.begin, b.begin), (a.end, b.end))
+        else:
+            yield from _of_ends((was[0].begin, now[0].begin), (was[-1].end, now[-1].end))
+            yield "ended", f"{len(now)} contacts, before {len(was)}, from {now[0].begin} to " \
+                           f"{now[-1].end}", float("inf")
 
 
 def _of_pairs(old, new):
     """Finds cycles in which other triangles touch. A cycle with contact in only one of the runs
     does not count: the contact began, ended, appeared or vanished, which is another kind of
     change."""
-    moved = [stamp for stamp in sorted(set(old) & set(new), key=float)
-             if sorted(old[stamp]) != sorted(new[stamp])]
+    moved = {}
+    for stamp in sorted(set(old) & set(new), key=float):
+        was, now = collections.Counter(old[stamp]), collections.Counter(new[stamp])
+        cycles = min(sum((was - now).values()), sum((now - was).values()))
+        if cycles:
+            moved[stamp] = cycles
     if moved:
-        text = f"other triangles; cycles: {len(moved)}, the first at {moved[0]}"
-        yield "moved", text, len(moved)
+        cycles = sum(moved.values())
+        first = next(iter(moved))
+        yield "moved", f"other triangles; cycles: {cycles}, the first at {first}", cycles
+
+
+def _looked_at(states):
+    """Returns {episode: (cycles, first stamp, last stamp)}."""
+    found = {}
+    for stretch in sorted((s for of in states.values() for s in of), key=_by_time):
+        cycles, first, _ = found.get(stretch.episode, (0, stretch.begin, ""))
+        found[stretch.episode] = (cycles + stretch.cycles, first, stretch.end)
+    return found
+
+
+def _of_cycles(old, new):
+    """Finds episodes in which less was looked at."""
+    looked_at = _looked_at(new)
+    for episode, (cycles, first, last) in _looked_at(old).items():
+        now, begin, end = looked_at.get(episode, (0, "", ""))
+        if now < cycles or float(begin) > float(first) or float(end) < float(last):
+            span = f" from {begin} to {end}" if now else ""
+            yield "unknown", f"looked at in {now} cycles{span}, before {cycles} from {first} to " \
+                             f"{last}", 0
 
 
 def _of_unknown(old, new):
@@ -78,14 +124,13 @@ def _of_unknown(old, new):
         if TOUCHING[0] not in old:  # otherwise the contact has vanished, which is said
             yield "unknown", "the two are no longer monitored", 0
         return
+    yield from _of_cycles(old, new)
     for state in ("UNKNOWN", "ALLOWED"):
-        was, now = old.get(state, []), new.get(state, [])
-        if was == now:
-            continue
-        text = f"{len(now)} times, before {len(was)}"
-        changed = sorted(set(now) ^ set(was), key=lambda stretch: float(stretch[0]))
-        yield "unknown", f"{state} {text}; the first that differs: from {changed[0][0]} to " \
-                         f"{changed[0][1]}", 0
+        was, now = ({stretch[:3] for stretch in of.get(state, [])} for of in (old, new))
+        if was != now:
+            _, begin, end = min(was ^ now, key=_by_time)
+            yield "unknown", f"{state} {len(now)} times, before {len(was)}; the first that " \
+                             f"differs: from {begin} to {end}", 0
 
 
 def _of_expectations(old, new):
@@ -105,16 +150,17 @@ def _median_ms(summary):
 def changes_of(bag, old_folder, new_folder):
     """Returns the changes of a bag: first those of pairs of bodies, then those of the whole bag."""
     found = []
-    old_links, new_links = _stretches(old_folder), _stretches(new_folder)
+    old, new = read_summary(old_folder), read_summary(new_folder)
+    old_links = _stretches(old_folder, old["runs"][0]["name"])
+    new_links = _stretches(new_folder, new["runs"][0]["name"])
     old_pairs, new_pairs = read_pair_hashes(old_folder), read_pair_hashes(new_folder)
     for bodies in sorted(set(old_links) | set(new_links) | set(old_pairs) | set(new_pairs)):
-        old, new = old_links.get(bodies, {}), new_links.get(bodies, {})
+        was, now = old_links.get(bodies, {}), new_links.get(bodies, {})
         for kind, text, amount in (
-                *_of_stretches(old.get(TOUCHING[0], []), new.get(TOUCHING[0], [])),
+                *_of_stretches(was.get(TOUCHING[0], []), now.get(TOUCHING[0], [])),
                 *_of_pairs(old_pairs.get(bodies, {}), new_pairs.get(bodies, {})),
-                *_of_unknown(old, new)):
+                *_of_unknown(was, now)):
             found.append(Change(bag, kind, bodies, text, amount))
-    old, new = read_summary(old_folder), read_summary(new_folder)
     for kind, text in _of_expectations(old, new):
         found.append(Change(bag, kind, (), text, 0))
     was, now = _median_ms(old), _median_ms(new)

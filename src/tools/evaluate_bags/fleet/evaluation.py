@@ -131,7 +131,8 @@ class Evaluation:
                     tool.wait()
             errors.seek(0)
             lines = errors.read().decode(errors="replace").splitlines()
-        last = lines[-1] if lines else ""
+        # The folder of the attempt will be gone.
+        last = lines[-1].replace(self.attempt, self.final) if lines else ""
         if code not in (0, 1, 2):
             raise Crashed(f"evaluate_bag ended with {code}: {last}")
         return code, last

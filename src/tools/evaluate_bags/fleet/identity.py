@@ -3,6 +3,7 @@ again."""
 import hashlib
 import json
 import os
+import urllib.parse
 
 import rospkg
 import yaml
@@ -25,18 +26,27 @@ def hash_of(path, go_on=lambda: None):
     return digest.hexdigest()
 
 
+def _percent_decoded(text):
+    return os.fsdecode(urllib.parse.unquote_to_bytes(os.fsencode(text)))
+
+
 def resolved(name):
     """Returns the path of a file name, or of a package:// or file:// name; None if it is
-    unknown."""
-    if name.startswith("file://"):
-        return name[len("file://"):]
-    if not name.startswith("package://"):
-        return None if "://" in name else name
-    package, _, rest = name[len("package://"):].partition("/")
-    try:
-        return os.path.join(rospkg.RosPack().get_path(package), rest)
-    except rospkg.ResourceNotFound:
+    unknown. The rules are those of src/robot/resource_resolver.cpp."""
+    scheme, separator, rest = name.partition("://")
+    host, slash, rest = rest.partition("/")
+    if name.startswith("/") or not separator:
+        path = name
+    elif scheme == "file" and slash and host in ("", "localhost"):
+        path = _percent_decoded(slash + rest)
+    elif scheme == "package":
+        try:
+            path = rospkg.RosPack().get_path(host) + _percent_decoded(slash + rest)
+        except rospkg.ResourceNotFound:
+            return None
+    else:
         return None
+    return None if "\0" in path else path
 
 
 def _strings(tree):
@@ -77,13 +87,15 @@ def identity_of(tool, version, bag, arguments, go_on):
 
 
 def meshes_of(summary, go_on):
-    """Returns {name: hash} of the mesh files of the robot's links, which the evaluation named."""
+    """Returns {name: hash} of the mesh files of the robot's links, which the evaluation named. The
+    hash of a missing file is None."""
     names = {name for link in summary["configuration"]["links"]
-             for name in link["source"].split("; ") if "://" in name}
+             for name in link["source"].split("; ") if name.startswith("/") or "://" in name}
     return {name: hash_of(resolved(name) or "", go_on) for name in sorted(names)}
 
 
 def are_same_meshes(meshes, go_on):
+    """A mesh that was missing and still is counts as the same: its link stays UNKNOWN."""
     return all(hash_of(resolved(name) or "", go_on) == content for name, content in meshes.items())
 
 
