@@ -104,11 +104,19 @@ std::vector<SizeCheck::Finding> SizeCheck::look(const CycleReport& report, Stead
     const bool is_here = status.triggered && status.unknown_because.empty();
     if (status.kind != BodyKind::kDeformable || !is_here || now < due_[status.name]) continue;
     due_[status.name] = now + std::chrono::seconds(1);
-    if (!robot) robot = robotBox(report);
-    if (robot->isEmpty() || largestSide(*robot) <= 0) break;
+    const TriangleMesh& mesh = report.scene->body(id).mesh;
     Box body;
-    addPosed(boxOf(report.scene->body(id).mesh), report.scene->body(id).pose, &body);
-    findings.emplace_back(status.name, body.isEmpty() ? "" : describeAnomaly(body, *robot));
+    addPosed(boxOf(mesh), report.scene->body(id).pose, &body);
+    if (body.isEmpty()) {
+      const std::string count = std::to_string(mesh.vertexCount());
+      findings.emplace_back(status.name, mesh.vertexCount() == 0
+                                             ? ""
+                                             : "none of its " + count + " vertices is finite");
+      continue;
+    }
+    if (!robot) robot = robotBox(report);
+    if (robot->isEmpty() || largestSide(*robot) <= 0) continue;
+    findings.emplace_back(status.name, describeAnomaly(body, *robot));
   }
   return findings;
 }

@@ -38,7 +38,8 @@ class SizeCheck {
 
   // Examines the objects that triggered the cycle, each at most once a second, and compares them
   // with the links that have a pose in it. An object is anomalous if it is more than 100 times as
-  // large as the robot, or as far away. Without such a link nothing is examined.
+  // large as the robot, or as far away, which is not examined without such a link, or if none of
+  // its vertices is finite.
   std::vector<Finding> look(const CycleReport& report, SteadyTime now);
 
  private:

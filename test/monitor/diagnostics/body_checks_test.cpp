@@ -107,6 +107,8 @@ TEST_F(SizeCheckTest, VerticesThatAreNotFiniteAreLeftOut) {
   scene_.setMesh(1, mesh);
   EXPECT_EQ(finding(), "");
   scene_.setMesh(1, {std::vector<float>(9, std::numeric_limits<float>::quiet_NaN()), {0, 1, 2}});
+  EXPECT_EQ(finding(), "none of its 3 vertices is finite");
+  scene_.setMesh(1, TriangleMesh());
   EXPECT_EQ(finding(), "");
 }
 
