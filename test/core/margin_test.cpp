@@ -105,6 +105,40 @@ TEST_P(Margin, IsClosedAndTheLargerOfTheTwo) {
   EXPECT_EQ(0.5F, detector_->detect(scene, Options()).separations_m.at(0));
 }
 
+// Upright triangles and the segments of a rope, well above a cloth whose plane they cross, and
+// whose planes the cloth crosses.
+TEST_P(Margin, NearPairsAreTheSameByAnyPredicates) {
+  std::vector<Triangle> upright, rope;
+  for (int i = 0; i < 6; ++i) {
+    const float x = 0.1F + 0.13F * static_cast<float>(i);
+    upright.push_back({{{x, 0.2F, 0.3F}, {x + 0.1F, 0.7F, 0.35F}, {x, 0.4F, 0.9F}}});
+    const Vec3f from{x, 0.1F, 0.25F}, to{x + 0.13F, 0.9F, 0.6F};
+    rope.push_back({{from, to, to}});
+  }
+  Scene scene;
+  scene.addBody("cloth", clothGrid(8, 1, 0, 0.05F));
+  scene.addBody("upright", meshOf(upright));
+  scene.addBody("rope", meshOf(rope));
+  for (BodyId a = 0; a < 3; ++a) {
+    for (BodyId b = a + 1; b < 3; ++b) scene.setPairEnabled(a, b, a == 0);
+  }
+  const RigidTransform turned{{0.36, 0.48, -0.8, -0.8, 0.6, 0, 0.48, 0.64, 0.6}, {1, -0.5, 0.3}};
+  for (BodyId id = 0; id < 3; ++id) scene.setPose(id, turned);
+  for (const float margin : {0.0F, 0.4F, 2.0F}) {
+    scene.setMargin(0, margin);
+    const DetectionResult exact = detector_->detect(scene, Options());
+    EXPECT_EQ(exact.contacts.empty(), margin == 0);
+    for (const float separation : exact.separations_m) EXPECT_GT(separation, 0.1F);
+    for (const Predicates predicates : {Predicates::kConservative, Predicates::kFast}) {
+      Options options;
+      options.predicates = predicates;
+      const DetectionResult& result = detector_->detect(scene, options);
+      EXPECT_TRUE(samePairs(exact.contacts, result.contacts)) << toString(predicates) << margin;
+      EXPECT_EQ(exact.separations_m, result.separations_m) << toString(predicates) << margin;
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(, Margin, ::testing::ValuesIn(allBackends()), backendName);
 
 }  // namespace
