@@ -1,8 +1,6 @@
 // Reads bags once, and notes what the cycles need to know in advance.
 #include "tools/bags/bag_contents.h"
 
-#include <tf2/buffer_core.h>
-
 #include <algorithm>
 #include <exception>
 #include <tuple>
@@ -31,7 +29,7 @@ void addChange(const ros::Time& received, T value, const Same& same, History<T>*
 // Adds a static transform, unless tf2 would refuse it. Its stamp has no meaning.
 void addStatic(const ros::Time& received, const geometry_msgs::TransformStamped& transform,
                BagContents* contents) {
-  if (!tf2::BufferCore().setTransform(transform, "bag", true)) {
+  if (!isValid(transform)) {
     ++contents->refused_transforms;
     return;
   }
@@ -47,6 +45,7 @@ void addStatic(const ros::Time& received, const geometry_msgs::TransformStamped&
 struct Scan {
   std::map<std::string, ObjectParameters> objects;  // the configured ones by topic
   ros::Time newest;                                 // stamp of a transform or a joint
+  std::map<std::string, BagMessage> last_meshes;    // by topic
 };
 
 // Takes the stamp of a source. What was before the clock went back does not count in any span.
@@ -309,6 +308,11 @@ BagContents scanBags(BagReader* reader, const BagFiles& files, const MonitorPara
   std::uint64_t count = 0;
   contents.problem = reader->read([&](const BagMessage& message) {
     if (count == 0) choose();
+    if (files.bags.size() > 1 && isMesh(message)) {
+      BagMessage& last = scan.last_meshes[message.topic];
+      contents.repeated_meshes += last.received == message.received && last.bytes == message.bytes;
+      last = message;
+    }
     progress(++count);
     BagContents::Topic& topic = contents.topics[message.topic];
     topic.type = message.type;
@@ -320,9 +324,11 @@ BagContents scanBags(BagReader* reader, const BagFiles& files, const MonitorPara
     }
   });
   if (count == 0) choose();
-  contents.triangles_ahead.settle();
   contents.jumps.finish();
   sortMeshes(&contents);
+  std::vector<TrianglesAhead::Cycle> cycles;
+  for (const BagContents::Mesh& mesh : contents.meshes) cycles.push_back({mesh.number, mesh.part});
+  contents.triangles_ahead.settle(cycles);
   return contents;
 }
 

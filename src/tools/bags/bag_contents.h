@@ -81,7 +81,10 @@ struct BagContents {
   RecordedTopics recorded;              // all topics of the bags
   BagTopics chosen;                     // those from which everything but meshes is read
   std::vector<Mesh> meshes;  // ascending parts and places; equal ones in order of receipt
-  TimeJumps jumps;           // where the clock went back
+  // Meshes with the time, the topic and the bytes of another one. Counted where there are several
+  // bags, because one may be a copy.
+  std::uint64_t repeated_meshes = 0;
+  TimeJumps jumps;  // where the clock went back
   // The static transforms of each frame, without repetitions. As in tf2, a frame whose first
   // transform is static stays so: its later transforms on /tf are listed here too.
   std::map<std::string, History<geometry_msgs::TransformStamped>> static_transforms;

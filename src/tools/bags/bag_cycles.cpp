@@ -69,7 +69,8 @@ BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& con
     for (std::size_t i = 1; i < transforms.size(); ++i) changes_.insert(transforms[i].received);
   }
   for (std::size_t i = 1; i < robots.size(); ++i) changes_.insert(robots[i].received);
-  refused_transforms_ = contents.refused_transforms;
+  refused_transforms_ += contents.refused_transforms;
+  bad_transforms_ += contents.refused_transforms;
   plan(contents);
   for (std::size_t i = 0; i < events_.size(); ++i) {
     if (!events_[i].played) event_of_mesh_[events_[i].number] = i;
@@ -130,13 +131,17 @@ std::string BagCycles::run(BagReader* reader, const std::function<void(CycleRepo
 
 // Keeps a mesh until its cycle, and hands transforms to the buffer at once.
 void BagCycles::take(const BagMessage& message) {
+  noteLate(message.received);
   for (; !changes_.empty() && *changes_.begin() <= message.received;
        changes_.erase(changes_.begin())) {
     postpone(*changes_.begin());
   }
   if (isMesh(message)) {
     const std::uint64_t number = meshes_read_++;
-    if (input_of_topic_.count(message.topic) > 0) held_[number] = message;
+    if (input_of_topic_.count(message.topic) > 0) {
+      held_[number] = message;
+      awaiting_.push_back(number);
+    }
     leftovers_.erase(number);
     return;
   }
@@ -165,6 +170,7 @@ void BagCycles::takeTransforms(const BagMessage& message) {
         addTransform(transform, isStatic(message.topic));
       } else {
         ++refused_transforms_;
+        ++bad_transforms_;
       }
     }
   } else if (isJointState(message) && message.topic == chosen.joint_states &&
@@ -182,7 +188,10 @@ void BagCycles::takeTransforms(const BagMessage& message) {
 }
 
 void BagCycles::addTransform(const geometry_msgs::TransformStamped& transform, bool is_static) {
-  if (!buffer_.setTransform(transform, "bag", is_static)) ++refused_transforms_;
+  if (!buffer_.setTransform(transform, "bag", is_static)) {
+    ++refused_transforms_;
+    bad_transforms_ += !isValid(transform);
+  }
   if (!is_static) newest_transform_ = std::max(newest_transform_, transform.header.stamp);
 }
 
@@ -219,6 +228,19 @@ bool BagCycles::isLate(const Event& event, const BagMessage& message) const {
   IncomingMesh mesh{posed};
   mesh.topology = std::make_shared<const Topology>();  // its triangles do not matter here
   return lookup_.isWorthWaiting(scene_.awaitedFrames(event.input, event.stamp, mesh));
+}
+
+// Notes the meshes whose transforms have not been recorded tf_timeout_s after them.
+void BagCycles::noteLate(const ros::Time& received) {
+  for (; !awaiting_.empty(); awaiting_.pop_front()) {
+    const auto held = held_.find(awaiting_.front());
+    if (held == held_.end()) continue;
+    if (secondsBetween(received, held->second.received) <= parameters_.tf_timeout_s) return;
+    const auto index = event_of_mesh_.find(held->first);
+    if (index == event_of_mesh_.end()) continue;
+    const Event& event = events_[index->second];
+    if (event.part == part_ && isLate(event, held->second)) late_.insert(held->first);
+  }
 }
 
 // Starts all parts up to this one, each when no mesh of the part before it is missing any more. At
@@ -273,8 +295,11 @@ void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
     }
     recallAt(due);
     CycleTrigger trigger;
+    bool is_late = false;
     for (; next_ < end; ++next_) {
       const Event& event = events_[next_];
+      is_late |=
+          !event.played && late_.erase(event.number) > 0 && !isLate(event, held_.at(event.number));
       std::optional<IncomingMesh> mesh = nextMesh(event);
       if (!mesh || !mesh->message || event.is_passing) continue;
       MeshInput& input = inputs_[event.input];
@@ -289,6 +314,7 @@ void BagCycles::release(const std::function<void(CycleReport*)>& visit) {
       }
       if (answer != Acceptance::kDropped) trigger.objects.push_back(event.input);
     }
+    late_cycles_ += is_late && !trigger.objects.empty();
     if (!trigger.objects.empty()) detectAt(stamp, trigger, visit);
   }
 }

@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
@@ -36,7 +37,7 @@ struct PlayedObject {
 
 // Applies the node's rules for meshes, transforms and states without its queues and clocks. Every
 // mesh gets its cycle, in the order of stamps; meshes with the same stamp share one; no transform
-// is late. So the same bags always give the same cycles.
+// is late, as it may be for the node (lateCycles()). So the same bags always give the same cycles.
 //
 // A cycle knows the robot and the static transforms that had been recorded when the node would have
 // run it: when its mesh came or, at most tf_timeout_s later, its transforms. Before the first of
@@ -66,6 +67,13 @@ class BagCycles {
   std::size_t robot() const { return robot_; }
 
   std::uint64_t refusedTransforms() const { return refused_transforms_; }
+  // Counts those of them that are refused for what they say (see isValid()) or because their stamp
+  // is far ahead, and not because tf2 has them already.
+  std::uint64_t badTransforms() const { return bad_transforms_; }
+
+  // Counts the cycles that used a transform which was recorded more than tf_timeout_s after their
+  // mesh, so that the node would not have waited for it.
+  std::uint64_t lateCycles() const { return late_cycles_; }
 
   // How often the simulation of the played object undid a step, and why it did so first.
   struct UndoneSteps {
@@ -106,6 +114,7 @@ class BagCycles {
   void notePlayed(const ros::Time& received);
   void postpone(const ros::Time& change);
   bool isLate(const Event& event, const BagMessage& message) const;
+  void noteLate(const ros::Time& received);
   // These run the cycles whose meshes are ready.
   void startParts(std::size_t part, bool is_end, const std::function<void(CycleReport*)>& visit);
   void startPart(std::size_t part, const std::function<void(CycleReport*)>& visit);
@@ -141,6 +150,10 @@ class BagCycles {
   // a mesh may use the triangles of the mesh before it.
   std::map<std::uint64_t, BagMessage> held_;
   std::map<std::uint64_t, std::size_t> event_of_mesh_;  // index of events_, by number
+  // Meshes for whose transforms the node would wait, by number, in the order of receipt, and those
+  // for which it would have given up.
+  std::deque<std::uint64_t> awaiting_;
+  std::set<std::uint64_t> late_;
   std::uint64_t meshes_read_ = 0;
   // The parts of meshes that were recorded after the clock had gone back, and are from before it,
   // by number, until they are read. Meanwhile the later transforms wait.
@@ -149,7 +162,7 @@ class BagCycles {
   ros::Time received_, newest_transform_;  // the newest times that were read so far
   bool at_end_ = false;                    // the bags are read to their end
   bool played_out_ = false;
-  std::uint64_t cycle_ = 0, refused_transforms_ = 0;
+  std::uint64_t cycle_ = 0, refused_transforms_ = 0, bad_transforms_ = 0, late_cycles_ = 0;
   UndoneSteps undone_steps_;
 };
 

@@ -1,6 +1,8 @@
 // From a bag's bytes to messages, every size checked before memory is asked for.
 #include "tools/bags/bag_messages.h"
 
+#include <tf2/buffer_core.h>
+
 #include <boost/make_shared.hpp>
 #include <cstdint>
 #include <memory>
@@ -163,6 +165,10 @@ BagMeshHead headOf(const BagMessage& message, const ObjectParameters& object) {
     return stampedHead<geometry_msgs::PoseArray>(message);
   }
   return stampedHead<sensor_msgs::PointCloud2>(message);
+}
+
+bool isValid(const geometry_msgs::TransformStamped& transform) {
+  return tf2::BufferCore().setTransform(transform, "bag", true);
 }
 
 RecordedMeshReader recordedMeshReader(const ObjectParameters& object) {

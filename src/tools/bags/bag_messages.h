@@ -31,6 +31,10 @@ bool isLinkMeshes(const BagMessage& message);
 bool isText(const BagMessage& message);
 bool isJointState(const BagMessage& message);
 
+// Returns whether tf2 accepts the transform, whatever its stamp is: frames have names, and numbers
+// are finite and make a rotation.
+bool isValid(const geometry_msgs::TransformStamped& transform);
+
 // They throw std::runtime_error, "<topic>: <what>", if the bytes are not exactly one message of the
 // type, or the type was defined otherwise when it was recorded.
 tf2_msgs::TFMessage toTransforms(const BagMessage& message);

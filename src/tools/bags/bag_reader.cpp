@@ -162,6 +162,18 @@ void openBag(const std::string& path, rosbag::Bag* bag) {
   }
 }
 
+// Throws std::runtime_error if two paths lead to one bag: its messages would count twice.
+void checkDifferent(const std::vector<std::string>& paths) {
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      std::error_code none;  // openBag() tells what is wrong with a path
+      if (!std::filesystem::equivalent(paths[k], paths[i], none)) continue;
+      throw std::runtime_error(paths[i] + ": is given twice" +
+                               (paths[k] == paths[i] ? "" : ", also as " + paths[k]));
+    }
+  }
+}
+
 // The messages of each connection, by its number, in the order of rosbag's index.
 using Connections = std::map<std::uint32_t, std::vector<rosbag::MessageInstance>>;
 
@@ -216,6 +228,7 @@ void readAll(int pipe, const std::vector<std::string>& paths, const BagSelection
   rosbag::View view;
   std::vector<OrderedMessage> order;
   try {
+    checkDifferent(paths);
     for (const std::string& path : paths) {
       openBag(path, &bags.emplace_back());
       order = orderOf(bags.back(), selection);

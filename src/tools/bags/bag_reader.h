@@ -54,8 +54,8 @@ class BagReader {
   // from where they were; several bags are refused. It may be called
   // again. Returns why it stopped before the end, for people; empty: it did not. Throws
   // std::runtime_error, one line that names the bag, if a bag cannot be opened: it is not a bag,
-  // has no index (the text names the command that mends it), or is damaged at its start. An
-  // exception of `visit` passes through, and the reader cannot be used after it.
+  // has no index (the text names the command that mends it), is damaged at its start, or is given
+  // twice. An exception of `visit` passes through, and the reader cannot be used after it.
   std::string read(const std::function<void(const BagMessage&)>& visit);
 
   // Returns the types of all topics with messages, whether they are selected or not. They are known

@@ -318,6 +318,11 @@ BagSetup setUpBags(const BagFiles& files, const MonitorParameters& configured,
   if (!files.reference_frame.empty()) {
     parameters.reference_frame = plainFrame(files.reference_frame);
   }
+  if (contents->repeated_meshes > 0) {
+    warn(std::to_string(contents->repeated_meshes) +
+         " meshes are in two bags, with the same time and the same bytes, and count twice; leave "
+         "out the bag that is a copy");
+  }
   if (parameters.objects.empty()) addRecordedObjects(files, *contents, &parameters, warn);
   if (object.isWanted()) addPlayedObject(object, *contents, &parameters);
   if (parameters.pair_classes.needRobot()) {

@@ -28,6 +28,7 @@
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"
 #include "tools/bags/bag_setup.h"
+#include "tools/common/formatted.h"
 #include "tools/common/output_file.h"
 #include "tools/common/progress.h"
 #include "tools/common/reports.h"
@@ -172,9 +173,9 @@ int report(const EvaluationEnd& end) {
   // The report is drawn from the files, so they must be complete.
   if (arguments.report) runPlotScript("evaluation_report.py", {arguments.out}, warn);
   OutputFile("-").write(summaryText(end));
-  const std::string damaged = end.problem.empty() ? damage(*end.contents) : end.problem;
-  if (!damaged.empty()) {
-    throw std::runtime_error("damaged: " + damaged + "; what could be read is in " + arguments.out);
+  if (!end.damage.empty()) {
+    throw std::runtime_error("damaged: " + end.damage + "; what could be read is in " +
+                             arguments.out);
   }
   if (!isEvaluated(end)) {
     throw std::runtime_error("no cycle could be evaluated: " + whyNothing(end) +
@@ -213,6 +214,21 @@ struct Scanned {
   std::vector<RunSettings> settings;
 };
 
+// Says what a user should know of the transforms that were used and that were not.
+void warnOfTransforms(const BagCycles& cycles, double tf_timeout_s) {
+  if (cycles.badTransforms() > 0) {
+    warn(std::to_string(cycles.badTransforms()) +
+         " transforms are left out: their frames have no names, their numbers are not finite, "
+         "their quaternions are of length 0, or their stamps are far ahead of their recording");
+  }
+  if (cycles.lateCycles() > 0) {
+    warn("cycles with transforms that were recorded more than tf_timeout_s (" +
+         formatted("%g", tf_timeout_s) +
+         " s) after their mesh: " + std::to_string(cycles.lateCycles()) +
+         "; the node would not have waited for them, and said UNKNOWN");
+  }
+}
+
 // Says that the simulated object did not always move as the links pushed it.
 void warnOfUndoneSteps(const BagCycles::UndoneSteps& undone, const std::string& object) {
   if (undone.count == 0) return;
@@ -227,7 +243,8 @@ int evaluate(const EvaluateArguments& arguments) {
   Runs runs = makeRuns(bags.settings, bags.setup.parameters, bags.expectations, warn);
   std::vector<RunComparison> compared = comparisons(runs);
   EvaluationTables tables(cleanFolder(arguments.out), arguments.pairs,
-                          bags.setup.parameters.motion == Motion::kSwept);
+                          bags.setup.parameters.motion == Motion::kSwept,
+                          bags.setup.parameters.max_mesh_age_s);
   BagCycles cycles(bags.setup.parameters, bags.contents, bags.setup.robots,
                    bags.setup.played ? &*bags.setup.played : nullptr);
 
@@ -245,9 +262,11 @@ int evaluate(const EvaluateArguments& arguments) {
   });
   tables.finish();
   bags.progress.reset();
+  warnOfTransforms(cycles, bags.setup.parameters.tf_timeout_s);
   warnOfUndoneSteps(cycles.undoneSteps(), arguments.object.name);
   // A damaged bag is read twice, and the two readings may end differently.
   if (end.problem.empty()) end.problem = bags.contents.problem;
+  end.damage = end.problem.empty() ? damage(bags.contents) : end.problem;
 
   end.arguments = &arguments;
   end.contents = &bags.contents;
@@ -256,6 +275,7 @@ int evaluate(const EvaluateArguments& arguments) {
   end.comparisons = &compared;
   end.expectations = runs[0]->judge.verdicts();
   end.refused_transforms = cycles.refusedTransforms();
+  end.late_cycles = cycles.lateCycles();
   end.elapsed_s = stopwatch.elapsedMs() / 1e3;
   return report(end);
 }

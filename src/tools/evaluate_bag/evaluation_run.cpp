@@ -69,7 +69,7 @@ EvaluationRun::EvaluationRun(std::string asked_for, std::unique_ptr<Detector> wi
       detection(*detector, {looks_within, swept_tolerance_m, false}),
       options(with),
       tracker(rules),
-      judge(std::move(expectations)) {}
+      judge(std::move(expectations), rules.max_age_s) {}
 
 // All runs share the report, so what an earlier run left in it is cleared first.
 void EvaluationRun::evaluate(CycleReport* cycle, Scene* scene, bool at_edge) {

@@ -42,11 +42,13 @@ std::string outcome(const EvaluationEnd& end) {
       std::count_if(end.expectations.begin(), end.expectations.end(),
                     [](const auto& verdict) { return !verdict.failure.empty(); }));
   std::vector<std::string> parts;
-  if (!isPassed(end)) {
-    if (broken > 0) parts.push_back(counted(broken, "expectation fails", "expectations fail"));
-    if (disagree > 0) parts.push_back(counted(disagree, "exact run differs", "exact runs differ"));
-    return "Failed: " + joined(parts, ", ");
+  if (broken > 0) parts.push_back(counted(broken, "expectation fails", "expectations fail"));
+  if (disagree > 0) parts.push_back(counted(disagree, "exact run differs", "exact runs differ"));
+  if (!end.damage.empty()) {
+    parts.emplace_back("a bag is damaged");
+    if (parts.size() == 1) return "Not judged: " + parts[0];
   }
+  if (!parts.empty()) return "Failed: " + joined(parts, ", ");
   if (!end.expectations.empty()) {
     parts.push_back(counted(end.expectations.size(), "expectation holds", "expectations hold"));
   }
@@ -288,9 +290,9 @@ std::string stepsLine(const EvaluationRun& run) {
 
 bool isEvaluated(const EvaluationEnd& end) { return (*end.runs)[0]->unknown.evaluatedCycles() > 0; }
 
-// Nothing evaluated is never a success.
+// Nothing evaluated is never a success, and neither is a part of a bag.
 bool isPassed(const EvaluationEnd& end) {
-  return isEvaluated(end) &&
+  return isEvaluated(end) && end.damage.empty() &&
          std::none_of(end.comparisons->begin(), end.comparisons->end(), isDisagreement) &&
          std::all_of(end.expectations.begin(), end.expectations.end(),
                      [](const auto& verdict) { return verdict.failure.empty(); });
@@ -333,6 +335,7 @@ std::string summaryJson(const EvaluationEnd& end) {
   json["problem"] = end.problem;
   json["damaged_messages"] = end.contents->damaged();
   json["refused_transforms"] = end.refused_transforms;
+  json["cycles_with_late_transforms"] = end.late_cycles;
   json["meshes_with_triangles_sent_later"] = end.contents->triangles_ahead.count();
   json["poses"] = posesJson(*end.contents);
   json["configuration"] = configurationJson(*end.setup);

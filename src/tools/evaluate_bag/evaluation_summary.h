@@ -24,14 +24,17 @@ struct EvaluationEnd {
   const std::vector<RunComparison>* comparisons = nullptr;
   std::vector<ExpectationJudge::Verdict> expectations;  // of the first run
   std::string problem;                                  // why the bags were not read to their end
+  std::string damage;  // `problem`, or which messages could not be read; empty: none
   std::uint64_t refused_transforms = 0;
+  std::uint64_t late_cycles = 0;  // BagCycles::lateCycles()
   double elapsed_s = 0;
 };
 
 // Returns true if some cycle of the first run has a pair of bodies that is not UNKNOWN.
 bool isEvaluated(const EvaluationEnd& end);
 
-// Returns true if something was evaluated, runs that must agree do, and all expectations hold.
+// Returns true if something was evaluated, no bag is damaged, runs that must agree do, and all
+// expectations hold.
 bool isPassed(const EvaluationEnd& end);
 
 // Returns one line, such as "Passed: 2 expectations hold. 5 of 133 cycles had something missing.".

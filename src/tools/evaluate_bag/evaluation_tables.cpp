@@ -53,8 +53,10 @@ std::string cycleRow(const CycleReport& cycle) {
 
 }  // namespace
 
-EvaluationTables::EvaluationTables(const std::string& folder, bool with_pairs, bool swept)
-    : frames_(folder + "/frames.csv"),
+EvaluationTables::EvaluationTables(const std::string& folder, bool with_pairs, bool swept,
+                                   double max_age_s)
+    : max_age_s_(max_age_s),
+      frames_(folder + "/frames.csv"),
       links_(folder + "/links.csv"),
       events_(folder + "/events.csv"),
       distances_(folder + "/distances.csv") {
@@ -137,7 +139,9 @@ void EvaluationTables::addFrame(const CycleReport& cycle, const EvaluationRun& r
   frames_.line(row);
 }
 
-// Extends the open sequence of each pair of bodies, or ends it if the state changed.
+// Extends the open sequence of each pair of bodies, or ends it if the state changed. Where no cycle
+// checked the pair for longer than a state holds, it was UNKNOWN, which needs a row of its own
+// unless the state is UNKNOWN before or after. What is ALLOWED stays so.
 void EvaluationTables::addLinks(std::size_t number, const EvaluationRun& run) {
   if (runs_.size() <= number) runs_.resize(number + 1);
   runs_[number] = run.name();
@@ -146,6 +150,13 @@ void EvaluationTables::addLinks(std::size_t number, const EvaluationRun& run) {
     if (state.stamp != stamp) continue;  // the cycle did not check this pair
     const StretchKey key{number, {state.body_a, state.body_b}};
     const auto found = open_.find(key);
+    if (found != open_.end() && found->second.state != ContactState::UNKNOWN &&
+        found->second.state != ContactState::ALLOWED && state.state != ContactState::UNKNOWN &&
+        secondsBetween(stamp, found->second.to) > max_age_s_) {
+      writeLink(key, found->second);
+      const ros::Time from = found->second.to + toDuration(max_age_s_);
+      found->second = {ContactState::UNKNOWN, from, stamp, 0, 0, 0};
+    }
     // A sequence also ends where the clock goes back.
     if (found != open_.end() && found->second.state == state.state && found->second.to <= stamp) {
       Stretch& stretch = found->second;

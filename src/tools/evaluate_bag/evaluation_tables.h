@@ -23,8 +23,9 @@ class EvaluationTables {
   using Runs = std::vector<std::unique_ptr<EvaluationRun>>;
 
   // Makes the tables in a folder. `with_pairs`: pairs.csv and, in swept motion, swept_pairs.csv
-  // too. Throws std::system_error that names a file, as the other functions do.
-  EvaluationTables(const std::string& folder, bool with_pairs, bool swept);
+  // too. A state holds for max_age_s [s]. Throws std::system_error that names a file, as the other
+  // functions do.
+  EvaluationTables(const std::string& folder, bool with_pairs, bool swept, double max_age_s);
 
   // Writes the rows of a cycle that all runs have evaluated. `differing[i]`: whether the set of run
   // i differs from that of the first run.
@@ -50,7 +51,8 @@ class EvaluationTables {
   void addFrame(const CycleReport& cycle, const EvaluationRun& run, bool differs);
   void writeFrameTitle(const Runs& runs, bool swept);
   // links.csv: a row for each sequence of cycles in which a pair of bodies kept one state. `from_s`
-  // and `to_s` count from the first cycle on, as the times of expectations do.
+  // and `to_s` count from the first cycle on, as the times of expectations do. A gap between cycles
+  // in which the state grew too old has a row without cycles.
   void addLinks(std::size_t number, const EvaluationRun& run);
   void writeLink(const StretchKey& key, const Stretch& stretch);
   // Returns the time after the first cycle [s].
@@ -67,6 +69,7 @@ class EvaluationTables {
   // interval. The interval begins at `from` and ends at `stamp`.
   void addSweptPairs(const CycleReport& cycle, const RunSteps& steps);
 
+  const double max_age_s_;
   TableFile frames_, links_, events_, distances_;
   std::optional<TableFile> pairs_, swept_pairs_;
   std::vector<std::string> stages_;  // of the title of frames.csv

@@ -136,7 +136,8 @@ void checkMargins(const std::function<double(const std::string&)>& marginOf,
   }
 }
 
-ExpectationJudge::ExpectationJudge(std::vector<Expectation> expectations) {
+ExpectationJudge::ExpectationJudge(std::vector<Expectation> expectations, double max_age_s)
+    : max_age_s_(max_age_s) {
   for (Expectation& expectation : expectations) {
     Record record;
     record.expectation = std::move(expectation);
@@ -160,18 +161,45 @@ double ExpectationJudge::timeOf(const ros::Time& stamp) {
 
 void ExpectationJudge::look(const ContactStates& states, bool at_edge) {
   const double since_s = timeOf(states.header.stamp);
-  bool is_judged = true;
+  bool are_judged = true;
   for (Record& record : records_) {
     const Expectation& e = record.expectation;
+    const ContactState* const state = find(states, e);
+    const bool is_judged = !at_edge || state == nullptr || !lacksTransform(*state);
+    if (state != nullptr && state->stamp == states.header.stamp) {
+      lookAtGap(*state, since_s, is_judged, &record);
+    }
     if (since_s < e.from_s || since_s > e.to_s) continue;
-    const ContactState* const state = at_edge ? find(states, e) : nullptr;
-    if (state != nullptr && lacksTransform(*state)) {
-      is_judged = false;
-    } else {
-      look(states, since_s, &record);
+    are_judged &= is_judged;
+    if (is_judged) look(states, since_s, &record);
+  }
+  unjudged_ += !are_judged;
+}
+
+// A gap counts as one cycle, unless the cycle at its end says UNKNOWN too. Where the clock went
+// back, the stamp is not later. Between two cycles that are not judged, the recording has not begun
+// or is over.
+void ExpectationJudge::lookAtGap(const ContactState& state, double since_s, bool is_judged,
+                                 Record* record) const {
+  const Expectation& e = record->expectation;
+  const double from_s = std::max(record->looked_s + max_age_s_, e.from_s);
+  const double to_s = std::min(since_s, e.to_s);
+  const bool is_gap =
+      !record->looked.isZero() && secondsBetween(state.stamp, record->looked) > max_age_s_;
+  const bool says_so = state.state == ContactState::UNKNOWN && is_judged && since_s <= e.to_s;
+  if (is_gap && !says_so && from_s < to_s && (is_judged || record->was_judged)) {
+    record->is_monitored = true;
+    ++record->cycles;
+    ++record->unknown;
+    if (record->first_break.empty() &&
+        (e.keeps_m > 0 || e.touches != Expectation::Touches::kSometime)) {
+      record->first_break = "at " + seconds(from_s) + ": UNKNOWN until " + seconds(since_s) +
+                            " (no new mesh within max_mesh_age_s)";
     }
   }
-  unjudged_ += !is_judged;
+  record->looked = state.stamp;
+  record->looked_s = since_s;
+  record->was_judged = is_judged;
 }
 
 // Counts a cycle for one expectation. `known` says whether the state proves anything.

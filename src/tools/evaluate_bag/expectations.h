@@ -50,7 +50,7 @@ void checkMargins(const std::function<double(const std::string&)>& marginOf,
 
 // Checks expectations on the cycles of one run:
 // - A cycle in which the pair is UNKNOWN, ALLOWED or not monitored proves nothing, so `always` and
-//   `never` fail.
+//   `never` fail. So does a gap between two cycles of the pair in which its state grew too old.
 // - An expectation without any cycle in its time fails.
 // - In swept motion, PASSED breaks `never` and fulfils `sometime`; for `always` it is not a touch.
 // - With a tolerance, a contact may have more pairs than were found, so fewer than min_pairs (if
@@ -61,7 +61,9 @@ void checkMargins(const std::function<double(const std::string&)>& marginOf,
 //   (BagContents::isAtEdge), is not judged in that cycle.
 class ExpectationJudge {
  public:
-  explicit ExpectationJudge(std::vector<Expectation> expectations);
+  // A state holds for max_age_s [s].
+  explicit ExpectationJudge(std::vector<Expectation> expectations,
+                            double max_age_s = std::numeric_limits<double>::infinity());
 
   // Takes the states after a cycle, in the order of stamps. Only pairs that the cycle checked
   // count.
@@ -87,15 +89,23 @@ class ExpectationJudge {
     std::uint32_t most_pairs = 0;
     double least_m = std::numeric_limits<double>::infinity();  // of keeps_m
     double least_at_s = 0;
+    // The last cycle that checked the pair: its stamp (zero: none yet), its time after the first
+    // cycle [s], and whether it was judged.
+    ros::Time looked;
+    double looked_s = 0;
+    bool was_judged = true;
   };
 
   double timeOf(const ros::Time& stamp);
+  // Counts the time since the pair's last cycle if its state grew too old in it.
+  void lookAtGap(const ContactState& state, double since_s, bool is_judged, Record* record) const;
   // Checks one expectation at a time after the first cycle [s].
   void look(const ContactStates& states, double since_s, Record* record) const;
   // Does the same for one with keeps_m. `state` is null if the pair is not monitored.
   static void lookAtDistance(const ContactState* state, double tolerance_m, double since_s,
                              Record* record);
 
+  const double max_age_s_;
   std::vector<Record> records_;
   std::uint64_t unjudged_ = 0;
   ros::Time start_;  // where the clock began, at the start or when it last went back

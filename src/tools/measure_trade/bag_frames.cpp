@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "monitor/time_difference.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"
 #include "tools/bags/bag_setup.h"
@@ -33,6 +34,7 @@ struct Frame {
 
   std::string label;
   std::vector<RigidTransform> poses;  // of all bodies
+  std::vector<bool> has_path;         // of all bodies, from the cycle before
   std::vector<Surface> surfaces;      // of the deforming ones
   std::vector<Pair> pairs;
 };
@@ -41,15 +43,17 @@ struct Frame {
 // because they would need twice the memory of the vertices.
 class BagFrames : public FrameSource {
  public:
-  BagFrames(const PairClasses& classes, std::size_t most_frames)
-      : pair_classes_(namesOf(classes)), most_frames_(most_frames) {}
+  BagFrames(const PairClasses& classes, std::size_t most_frames, double max_age_s)
+      : pair_classes_(namesOf(classes)), most_frames_(most_frames), max_age_s_(max_age_s) {}
 
   // Copies what the cycle's scene changes. Call it for each cycle, in order.
   void add(const CycleReport& cycle) {
+    std::vector<bool> has_path = follow(cycle);
     if (cycles_++ % every_ != 0) return;
     if (frames_.empty()) start(cycle);
     const Scene& scene = *cycle.scene;
     Frame frame;
+    frame.has_path = std::move(has_path);
     frame.label = stampText(cycle.header.stamp);
     for (BodyId id = 0; id < scene.bodyCount(); ++id) {
       const Body& body = scene.body(id);
@@ -64,6 +68,8 @@ class BagFrames : public FrameSource {
     frames_.push_back(std::move(frame));
     if (most_frames_ > 0 && frames_.size() > most_frames_) keepEverySecond();
   }
+  // No body has a path to the next cycle.
+  void forget() { last_.clear(); }
   bool isEmpty() const { return frames_.empty(); }
 
   // Returns which of the cycles are frames, in words; empty: all are.
@@ -84,6 +90,7 @@ class BagFrames : public FrameSource {
     return true;
   }
   bool isDeformable(BodyId body) const override { return deformable_.at(body); }
+  bool hasPath(BodyId body) const override { return frames_[next_ - 1].has_path.at(body); }
   std::vector<std::string> pairClasses() const override { return pair_classes_; }
   std::string label() const override { return next_ == 0 ? "" : frames_[next_ - 1].label; }
 
@@ -96,6 +103,21 @@ class BagFrames : public FrameSource {
     }
     triangles_.resize(deformable_.size());
     shown_.resize(deformable_.size());
+  }
+
+  // Returns which bodies were known in the cycle before, at most as long before as a mesh holds.
+  std::vector<bool> follow(const CycleReport& cycle) {
+    std::vector<bool> has_path;
+    last_.resize(cycle.bodies.size());
+    for (std::size_t i = 0; i < cycle.bodies.size(); ++i) {
+      const BodyStatus& body = cycle.bodies[i];
+      const ros::Time& stamp = body.stamp.isZero() ? cycle.header.stamp : body.stamp;
+      const double since_s = secondsBetween(stamp, last_[i]);
+      const bool is_known = body.unknown_because.empty();
+      has_path.push_back(is_known && !last_[i].isZero() && since_s >= 0 && since_s <= max_age_s_);
+      last_[i] = is_known ? stamp : ros::Time();
+    }
+    return has_path;
   }
 
   void keepEverySecond() {
@@ -128,7 +150,9 @@ class BagFrames : public FrameSource {
   }
 
   std::vector<std::string> pair_classes_;
-  std::size_t most_frames_;             // 0: no limit
+  std::size_t most_frames_;  // 0: no limit
+  double max_age_s_;
+  std::vector<ros::Time> last_;         // stamps in the last cycle, by body; zero: UNKNOWN
   std::size_t cycles_ = 0, every_ = 1;  // of the cycles that came, one in every_ is a frame
   std::vector<bool> deformable_;
   std::vector<Frame> frames_;
@@ -151,10 +175,12 @@ std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files, std::size_t mo
   if (!contents.problem.empty()) throw std::runtime_error("damaged: " + contents.problem);
   const BagSetup setup = setUpBags(files, configured, SceneObject(), &contents, warn);
   BagCycles cycles(setup.parameters, contents, setup.robots, nullptr);
-  auto frames = std::make_unique<BagFrames>(setup.parameters.pair_classes, most_frames);
+  auto frames = std::make_unique<BagFrames>(setup.parameters.pair_classes, most_frames,
+                                            setup.parameters.max_mesh_age_s);
   bool has_changed = false;
   std::size_t count = 0, unknown = 0;
   const std::string problem = cycles.run(&reader, [&](CycleReport* cycle) {
+    if (!cycles.forgets().empty()) frames->forget();
     // All frames are of one scene, whose links do not change.
     if (cycles.robot() != 0) {
       if (!has_changed) {

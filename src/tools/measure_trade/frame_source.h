@@ -41,6 +41,10 @@ class FrameSource {
   // Returns true if the body deforms. Otherwise it is rigid, such as a robot's link.
   virtual bool isDeformable(BodyId body) const = 0;
 
+  // Returns false if nobody knows the body's path from the frame before to this one: it was away,
+  // or the clock went back.
+  virtual bool hasPath(BodyId /*body*/) const { return true; }
+
   // Returns the classes of pairs that are enabled, with the names of the node's `pair_classes`.
   virtual std::vector<std::string> pairClasses() const { return {"robot_deformable"}; }
 

@@ -166,7 +166,7 @@ void warnMotions(const MotionResults& found) {
   if (found.pairs_without_step > 0) {
     note(std::to_string(found.pairs_without_step) +
          " pairs of bodies, over all frames, were not looked at or had other triangles in the "
-         "frame before, so they have no step there");
+         "frame before, or came from where nobody knows, so they have no step there");
   }
   if (found.rejected > 0) {
     note(std::to_string(found.rejected) +

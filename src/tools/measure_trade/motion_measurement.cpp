@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -19,13 +20,14 @@ bool isSameMesh(const Body& a, const Body& b) {
 }
 
 // Returns the later frame's scene, with the earlier poses and vertices as the interval's beginning.
-// Pairs without an interval are disabled in it.
-Scene sceneOfStep(const Scene& from, const Scene& to, std::vector<BodyPair>* bodies) {
+// Pairs without an interval are disabled in it. `lost` are the bodies without a path.
+Scene sceneOfStep(const Scene& from, const Scene& to, const std::set<BodyId>& lost,
+                  std::vector<BodyPair>* bodies) {
   Scene scene = to;
   std::vector<bool> has_step;
   for (BodyId id = 0; id < to.bodyCount(); ++id) {
     const Body &before = from.body(id), &now = to.body(id);
-    has_step.push_back(isSameMesh(before, now));
+    has_step.push_back(lost.count(id) == 0 && isSameMesh(before, now));
     if (!has_step.back()) continue;
     // A body whose vertices did not change moves rigidly, so only its pose is given.
     const bool is_rigid = before.vertices_revision == now.vertices_revision;
@@ -63,13 +65,20 @@ class Stepper {
     options_.first_times = true;
   }
 
+  // Follows the bodies' paths. Call it for every frame, before take().
+  void follow(const FrameSource& frames) {
+    for (BodyId id = 0; id < frames.scene().bodyCount(); ++id) {
+      if (!frames.hasPath(id)) lost_.insert(id);
+    }
+  }
+
   // Takes the next frame. Every frame but the first ends an interval.
   void take(std::size_t frame, const std::string& label, const Scene& scene) {
     if (taken_) {
       MotionStep step;
       step.from = frame_;
       step.to = frame;
-      const Scene between = sceneOfStep(scene_, scene, &step.bodies);
+      const Scene between = sceneOfStep(scene_, scene, lost_, &step.bodies);
       const DetectionResult& result = wholeResult(detector_.get(), between, options_, label);
       step.contacts = result.contacts;
       step.first = result.first_times;
@@ -77,6 +86,7 @@ class Stepper {
       steps.push_back(std::move(step));
     }
     taken_ = true;
+    lost_.clear();
     frame_ = frame;
     scene_ = scene;
   }
@@ -88,6 +98,7 @@ class Stepper {
   std::unique_ptr<Detector> detector_;
   bool taken_ = false;
   std::size_t frame_ = 0;
+  std::set<BodyId> lost_;  // bodies whose path since that frame is not known
   Scene scene_;
 };
 
@@ -221,6 +232,7 @@ MotionResults findMotions(FrameSource* frames, std::size_t every, const Options&
     found.instant.push_back(result.contacts);
     found.instant_ms.push_back(result.round_trip_ms);
     found.rejected += result.counters.rejected;
+    for (Stepper* stepper : {&all, &kept}) stepper->follow(*frames);
     all.take(frame, label, scene);
     if (frame > 0) {
       found.pairs_without_step += scene.enabledPairs().size() - all.steps.back().bodies.size();

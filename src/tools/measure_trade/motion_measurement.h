@@ -23,8 +23,8 @@ namespace deformable_contact_monitor {
 // The time interval from one frame to a later one, in which every vertex moves on a straight line.
 struct MotionStep {
   std::size_t from = 0, to = 0;  // frames, counted from 0
-  // Pairs of bodies that were checked, ascending. They are enabled in both frames, and their
-  // triangles do not change.
+  // Pairs of bodies that were checked, ascending. They are enabled in both frames, their triangles
+  // do not change, and their paths are known (FrameSource::hasPath).
   std::vector<BodyPair> bodies;
   std::vector<TrianglePair> contacts;  // pairs that touch at some time, sorted
   std::vector<FirstContact> first;     // when each of them touches first

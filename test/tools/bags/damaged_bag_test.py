@@ -96,6 +96,7 @@ class DamagedBags(unittest.TestCase):
                 outcomes.setdefault((where, code), []).append(error)
                 if code == 2 and summary is not None:
                     self.assertIn("what could be read is in", error)
+                    self.assertFalse(summary["passed"])
                 if code == 0:  # whatever was changed, no message was lost by it
                     self.assertEqual(summary["cycles"], FRAMES)
         # Not all of it may go unnoticed, or this test looks at nothing.

@@ -8,6 +8,7 @@
 #include <boost/make_shared.hpp>
 #include <optional>
 #include <random>
+#include <tuple>
 #include <vector>
 
 namespace deformable_contact_monitor {
@@ -24,15 +25,21 @@ DeformableMesh::ConstPtr mesh(std::uint32_t id, std::size_t vertices, bool with_
 struct Recorded {
   double stamp_s;
   DeformableMesh::ConstPtr mesh;
+  std::size_t part = 0;  // how often the clock had gone back
 };
 
 // Numbers are places in `meshes`, which is in order of receipt.
 TrianglesAhead settled(const std::vector<Recorded>& meshes) {
   TrianglesAhead ahead;
+  std::vector<TrianglesAhead::Cycle> cycles;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     ahead.add("cloth", i, ros::Time(meshes[i].stamp_s), meshes[i].mesh);
+    cycles.push_back({i, meshes[i].part});
   }
-  ahead.settle();
+  std::stable_sort(cycles.begin(), cycles.end(), [&meshes](const auto& a, const auto& b) {
+    return std::tie(a.part, meshes[a.number].stamp_s) < std::tie(b.part, meshes[b.number].stamp_s);
+  });
+  ahead.settle(cycles);
   return ahead;
 }
 
@@ -56,7 +63,7 @@ TEST(TrianglesAhead, OtherIdsVerticesAndObjectsAreOtherTopologies) {
   TrianglesAhead ahead;
   ahead.add("cloth", 0, ros::Time(1), mesh(4, 3, false));
   ahead.add("towel", 1, ros::Time(2), mesh(4, 3, true));
-  ahead.settle();
+  ahead.settle({{0, 0}, {1, 0}});
   EXPECT_EQ(ahead.of(0), nullptr);
 }
 
@@ -67,6 +74,19 @@ TEST(TrianglesAhead, StampsCountNotTheOrderOfReceipt) {
   EXPECT_EQ(ahead.of(1), meshes[0].mesh);
   EXPECT_EQ(ahead.of(2), nullptr);
   EXPECT_EQ(ahead.count(), 2U);
+}
+
+// A simulator that starts anew counts ids anew, so an id may stand for other triangles.
+TEST(TrianglesAhead, AreOfTheSameEpisode) {
+  const std::vector<Recorded> meshes = {
+      {1.01, mesh(1, 3, false), 0}, {2.01, mesh(1, 3, true), 0}, {3.01, mesh(1, 3, false), 0},
+      {1, mesh(2, 3, false), 1},    {1.5, mesh(1, 3, false), 1}, {2, mesh(1, 3, false), 1},
+      {3, mesh(1, 3, true), 1},     {4, mesh(1, 3, false), 1},   {1, mesh(1, 3, false), 2}};
+  const TrianglesAhead ahead = settled(meshes);
+  EXPECT_EQ(ahead.of(0), meshes[1].mesh);
+  EXPECT_EQ(ahead.of(4), meshes[6].mesh);
+  for (const std::uint64_t other : {1, 2, 3, 5, 6, 7, 8}) EXPECT_EQ(ahead.of(other), nullptr);
+  EXPECT_EQ(ahead.count(), 3U);
 }
 
 // The rule, from a mesh on; `known`: the id whose triangles are known.

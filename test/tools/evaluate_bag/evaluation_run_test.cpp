@@ -100,6 +100,57 @@ std::string failureOf(Expectation::Touches touches, std::uint32_t min_pairs, std
   return judge.verdicts().at(0).failure;
 }
 
+// The failures of one expectation in a recording whose pair has cycles only at these stamps.
+std::string failureAtGap(Expectation expectation, const std::vector<double>& stamps_s,
+                         std::uint8_t state, const std::string& reason = "") {
+  expectation.link = "hand";
+  expectation.object = "cloth";
+  constexpr double kMaxAgeS = 0.5;
+  ExpectationJudge judge({expectation}, kMaxAgeS);
+  for (const double stamp_s : stamps_s) {
+    ContactStates states;
+    states.states.resize(1);
+    states.header.stamp = states.states[0].stamp = ros::Time(stamp_s);
+    states.states[0].body_a = "hand";
+    states.states[0].body_b = "cloth";
+    states.states[0].state = state;
+    states.states[0].reason = reason;
+    states.states[0].pair_count = 1;
+    judge.look(states, !reason.empty());
+  }
+  return judge.verdicts().at(0).failure;
+}
+
+TEST(ExpectationJudge, ATimeWithoutCyclesIsUnknown) {
+  using Touches = Expectation::Touches;
+  const std::vector<double> gap = {10, 10.5, 11, 14, 14.5};
+  Expectation never, always, keeps;
+  never.touches = Touches::kNever;
+  always.touches = Touches::kAlways;
+  keeps.keeps_m = 0.1;
+  EXPECT_EQ(failureAtGap(never, gap, ContactState::NONE),
+            "at 1.500 s: UNKNOWN until 4.000 s (no new mesh within max_mesh_age_s)");
+  EXPECT_NE(failureAtGap(always, gap, ContactState::CONTACT), "");
+  EXPECT_NE(failureAtGap(keeps, gap, ContactState::NONE), "");
+  EXPECT_EQ(failureAtGap(Expectation(), gap, ContactState::CONTACT), "");
+  EXPECT_EQ(failureAtGap(never, {10, 10.5, 11}, ContactState::NONE), "");
+  EXPECT_EQ(failureAtGap(never, {20, 20.5, 10, 10.5}, ContactState::NONE), "") << "clock went back";
+  // Only the time of the expectation counts.
+  never.from_s = 2;
+  never.to_s = 3;
+  EXPECT_NE(failureAtGap(never, gap, ContactState::NONE).find("at 2.000 s: UNKNOWN"),
+            std::string::npos);
+  never.from_s = 4;
+  never.to_s = 5;
+  EXPECT_EQ(failureAtGap(never, gap, ContactState::NONE), "");
+  never.from_s = 0;
+  never.to_s = 1.5;
+  EXPECT_EQ(failureAtGap(never, gap, ContactState::NONE), "");
+  // What is UNKNOWN at an edge of the recording is not judged, and neither is the time between.
+  EXPECT_EQ(failureAtGap(always, {10, 10.75}, ContactState::UNKNOWN, "hand: TF is missing"),
+            "no cycle in that time");
+}
+
 TEST(ExpectationJudge, WithinAToleranceGoesByStates) {
   using Touches = Expectation::Touches;
   constexpr float kTolerance = 0.01F;
@@ -177,6 +228,22 @@ TEST(EvaluationEnd, WithoutACycleThatFoundOutAnythingNothingIsPassed) {
   EXPECT_NE(verdictText(end).find("no cycle"), std::string::npos);
   look("", runs[0].get());
   EXPECT_TRUE(isPassed(end));
+}
+
+TEST(EvaluationEnd, ADamagedBagIsNotPassed) {
+  Runs runs;
+  addRun("cpu", Predicates::kExact, 1, &runs);
+  look("", runs[0].get());
+  const std::vector<RunComparison> compared;
+  EvaluationEnd end;
+  end.runs = &runs;
+  end.comparisons = &compared;
+  end.damage = "1 messages, on /cloth for example: too short";
+  EXPECT_FALSE(isPassed(end));
+  EXPECT_EQ(verdictText(end).find("Not judged: a bag is damaged."), 0U) << verdictText(end);
+  end.expectations = {{"a touches b", "not once"}};
+  EXPECT_EQ(verdictText(end).find("Failed: 1 expectation fails, a bag is damaged."), 0U)
+      << verdictText(end);
 }
 
 TEST(UnknownReasons, AreCountedWithoutTheirNumbersAndTheCommonestIsFirst) {

@@ -1,10 +1,15 @@
 // Checks that an evaluation knows no transform and no mesh that was recorded later, except where
 // there is no earlier value, and that it follows the clocks of a recording.
+#include <deformable_contact_monitor/DeformableMesh.h>
 #include <gtest/gtest.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "test_data.h"
 #include "written_bag.h"
@@ -111,6 +116,75 @@ TEST(RecordedTime, ACycleThatWaitsForTransformsKnowsWhatComesMeanwhile) {
   }
 }
 
+// Such transforms are used, but the node would not have waited for them.
+TEST(RecordedTime, CyclesWithTransformsAfterTheTimeoutAreCounted) {
+  for (const double timeout_s : {0.05, 0.2}) {
+    WrittenBag bag;
+    bag.camera(0, 0);
+    for (int i = 1; i <= 9; ++i) {
+      const ros::Time stamp = at(kPeriod * i);
+      // Of the third, there is no transform, and one follows after half a second.
+      if (i > 3 && i < 7) continue;
+      bag.transform("/tf", stamp + ros::Duration(0.1), stamp, "finger", 0);
+    }
+    for (int i = 1; i <= 8; ++i) {
+      const double late_s = i == 8 ? 0.11 : 0.01;  // the last mesh comes after its transform
+      bag.mesh(at(kPeriod * i + late_s), at(kPeriod * i), "cloth");
+    }
+    MonitorParameters parameters;
+    parameters.reference_frame = "base_link";
+    parameters.tf_timeout_s = timeout_s;
+    const Found found = evaluate(&bag, urdf("prismatic", 0.1), parameters);
+    EXPECT_EQ(found.states.at("cloth"), times(8, 'C'));
+    // Before the first transform, the node does not know that there is a frame to wait for.
+    EXPECT_EQ(found.late_cycles, timeout_s < 0.1 ? 6U : 3U);
+  }
+}
+
+TEST(RecordedTime, TransformsThatNobodyCanUseAreCounted) {
+  WrittenBag bag;
+  bag.camera(0, std::nan(""));
+  bag.camera(0.01, 0);
+  bag.meshes(1, 3);
+  bag.finger(kPeriod * 3);  // tf2 has it already
+  bag.transform("/tf", at(kPeriod * 3.5), at(kPeriod * 3.5), "finger", std::nan(""));
+  bag.transform("/tf", at(kPeriod * 3.5), at(999), "finger", 0);
+  bag.meshes(4, 3);
+  const Found found = evaluate(&bag, urdf("prismatic", 0.1));
+  EXPECT_EQ(found.states.at("cloth"), times(6, 'C'));
+  EXPECT_EQ(found.bad_transforms, 3U);
+}
+
+// Otherwise each of its meshes would have two cycles.
+TEST(RecordedTime, ABagIsReadOnce) {
+  WrittenBag bag;
+  bag.camera(0, 0);
+  bag.links(0, 0);
+  bag.meshes(1, 5);
+  BagFiles files;
+  files.reference_frame = "base_link";
+  const std::string path = bag.finish(), copy = path + ".copy.bag", link = path + ".link.bag";
+  std::filesystem::copy_file(path, copy);
+  std::filesystem::create_symlink(path, link);
+  for (const std::string& same : {path, link}) {
+    files.bags = {path, same};
+    try {
+      evaluate(files);
+      ADD_FAILURE() << same;
+    } catch (const std::runtime_error& error) {
+      EXPECT_EQ(std::string(error.what()).find(same + ": is given twice"), 0U) << error.what();
+    }
+  }
+  files.bags = {path, copy};
+  const std::vector<std::string> warnings = evaluate(files).warnings;
+  EXPECT_EQ(
+      std::count_if(warnings.begin(), warnings.end(),
+                    [](const auto& line) { return line.find("5 meshes are in two bags") == 0; }),
+      1);
+  std::filesystem::remove(copy);
+  std::filesystem::remove(link);
+}
+
 // Meshes of one stamp share a cycle only if the node would have known the same for both.
 TEST(RecordedTime, MeshesOfOneStampThatKnowDifferentThings) {
   WrittenBag bag;
@@ -194,6 +268,34 @@ TEST(RecordedTime, AClockThatGoesBackStartsAnew) {
   EXPECT_EQ(found.stamps[0], found.stamps[40]);
   ASSERT_EQ(found.events.size(), 2U);
   EXPECT_EQ(found.events[1].reason.find("time jump: the clock went back by "), 0U);
+}
+
+// A simulator that starts anew counts topology_id anew, and may send its triangles late.
+TEST(RecordedTime, TheTrianglesOfAnEpisodeAreItsOwn) {
+  constexpr int kCount = 40, kSends = 8;  // every so many meshes have triangles
+  for (const int first : {0, 7}) {
+    WrittenBag bag;
+    bag.camera(0, 0);
+    for (int episode = 0; episode < 2; ++episode) {
+      for (int i = 0; i < kCount; ++i) {
+        const ros::Time stamp(10 + kPeriod * i), received = at(20 * episode + kPeriod * i);
+        bag.transform("/tf", received, stamp, "finger", 0);
+        DeformableMesh mesh;
+        mesh.header.stamp = stamp + ros::Duration(0.01 * (1 - episode));
+        mesh.header.frame_id = "camera";
+        mesh.object = "cloth";
+        mesh.topology_id = 1;
+        mesh.vertices = {0, 0, 0, 0.2F, 0, 0, 0, 0.2F, 0, 5, 5, 5, 5, 6, 5, 6, 5, 5};
+        if (i % kSends == (episode == 0 ? first : 7)) mesh.triangles = {3, 4, 5};
+        if (episode == 1 && !mesh.triangles.empty()) mesh.triangles = {0, 1, 2};
+        bag.add("/cloth", received + ros::Duration(0.02), mesh);
+      }
+    }
+    // Only the triangle of the second episode touches. Nothing is known after the last transform.
+    EXPECT_EQ(statesOf(&bag, urdf("prismatic", 0.1)),
+              times(kCount - 1, '-') + "?" + times(kCount, 'C'))
+        << first;
+  }
 }
 
 // Episodes of a simulator, each as short as `episode_s`. The finger touches in the second one.

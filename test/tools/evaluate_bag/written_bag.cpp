@@ -139,6 +139,8 @@ Found evaluate(const BagFiles& files, const MonitorParameters& configured) {
       found.states[state.body_b] += std::string("-nC!?P").at(state.state);
     }
   });
+  found.late_cycles = cycles.lateCycles();
+  found.bad_transforms = cycles.badTransforms();
   return found;
 }
 

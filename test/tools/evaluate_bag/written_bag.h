@@ -71,6 +71,7 @@ struct Found {
   std::vector<ros::Time> stamps;              // of all cycles
   std::vector<ContactEvent> events;
   std::vector<std::string> warnings;
+  std::uint64_t late_cycles = 0, bad_transforms = 0;  // as BagCycles counts them
 };
 
 Found evaluate(const BagFiles& files, const MonitorParameters& configured = MonitorParameters());

@@ -22,6 +22,7 @@ class Needles : public FrameSource {
     double x = 0, z = 0;
     bool enabled = true;
     bool turned = false;  // its triangles the other way round
+    bool has_path = true;
   };
 
   explicit Needles(std::vector<Place> places) : places_(std::move(places)) {
@@ -43,6 +44,7 @@ class Needles : public FrameSource {
     return true;
   }
   bool isDeformable(BodyId body) const override { return body == 0; }
+  bool hasPath(BodyId body) const override { return body == 1 || places_[next_ - 1].has_path; }
   std::string label() const override { return "frame " + std::to_string(next_ - 1); }
 
  private:
@@ -195,6 +197,18 @@ TEST(MotionStatistics, WhatWasNotLookedAtBeforeHasNoStepAndNoOnset) {
   EXPECT_EQ(changed.pairs_without_step, 1U);
   EXPECT_TRUE(trueOnsets(changed, MotionLevel::kBodies).empty());
   EXPECT_EQ(lostContacts(changed, waysToLook()[0], MotionLevel::kBodies).truth, 1U);
+}
+
+// The needles were above the floor and are below it, and nobody knows how they came there.
+TEST(MotionStatistics, WhatWasAwayHasNoStep) {
+  const MotionResults away =
+      motionsOf({{0, 1}, {0, 1}, {0, -1, true, false, false}, {0, -1}, {0, -1}, {0, 1}}, 3);
+  EXPECT_EQ(away.pairs_without_step, 1U);
+  EXPECT_TRUE(away.steps[1].contacts.empty());
+  EXPECT_TRUE(away.kept_steps[0].contacts.empty());
+  EXPECT_TRUE(away.kept_steps[0].bodies.empty());
+  EXPECT_EQ(away.kept_steps[1].contacts.size(), 2U);
+  EXPECT_EQ(trueOnsets(away, MotionLevel::kBodies).size(), 1U);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """measure_trade on a bag: the frames are evaluate_bag's, the contacts the oracle's."""
+import copy
 import csv
 import json
 import os
@@ -10,6 +11,8 @@ import sys
 import tempfile
 import time
 import unittest
+
+import rospy
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "bags"))
 from panda_bag import DATA, FRAMES, PandaBag, stamp_of, write_bag
@@ -109,6 +112,30 @@ class TradeBag(unittest.TestCase):
         with open(self.path("out/summary.json")) as file:
             summary = json.load(file)
         self.assertEqual((len(summary["frames"]), summary["pairs_without_step"]), (FRAMES, 0))
+
+    def test_there_is_no_step_where_the_clock_goes_back_or_the_object_was_away(self):
+        robot, *rest = self.scene.events()
+        earlier = []
+        for received, topic, message in rest:
+            message = copy.deepcopy(message)
+            for stamped in getattr(message, "transforms", [message]):
+                stamped.header.stamp += rospy.Duration(60)
+            earlier.append((received - rospy.Duration(10), topic, message))
+        away = [e for e in rest if e[1] != "/tshirt" or not stamp_of(2) < e[0] < stamp_of(17)]
+        start = [(earlier[0][0] - rospy.Duration(1), *robot[1:])]
+        steps = {}
+        for name, events in (("whole", [robot] + rest), ("away", [robot] + away),
+                             ("anew", start + earlier + rest)):
+            done = self.run_tool("--bag", write_bag(self.path(name + ".bag"), events), "--config",
+                                 self.path("config.yaml"), "--swept", "--every", "2")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            with open(self.path("out/summary.json")) as file:
+                summary = json.load(file)
+            steps[name] = (len(summary["frames"]), summary["pairs_without_step"])
+        pairs = steps["away"][1]  # those of one frame
+        self.assertGreater(pairs, 0)
+        self.assertEqual(steps, {"whole": (FRAMES, 0), "away": (FRAMES - 15, pairs),
+                                 "anew": (2 * FRAMES, pairs)})
 
     def test_the_bags_pair_classes_are_written(self):
         bag = write_bag(self.path("panda.bag"), self.scene.events())
