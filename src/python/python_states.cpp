@@ -48,9 +48,9 @@ nearest: whether results have the distance and the nearest triangles of each sta
     (Scene.set_margin).
 max_time_s: when the check ends early [s]; states that were not decided are unknown. None: never.
 Only enabled pairs of two bodies of which one moves are looked at. Other threads run meanwhile.
-Raises ValueError for a wrong shape, a pose that is not rigid, a body that does not exist or is there twice, and a negative
-time; RuntimeError where the backend fails ('auto' goes on on the CPU instead), or where another
-thread uses this checker.)";
+Raises ValueError for a wrong shape, a pose that is not rigid, a body that does not exist or is there
+twice, and a negative time; RuntimeError where the backend fails ('auto' goes on on the CPU instead),
+or where another thread uses this checker.)";
 
 // Returns the poses as the core has them. Throws std::invalid_argument for another shape than (n,
 // k, 4, 4), for last rows that are not 0 0 0 1, and for finite poses that are not rigid.

@@ -194,7 +194,8 @@ class Refusals(unittest.TestCase):
 
     def test_masked_arrays(self):
         masked = numpy.ma.masked_greater(numpy.array(VERTICES, float), 0.5)
-        self.refused("cloth: vertices has masked values; fill or leave them out first", self.scene.set_vertices, 0, masked)
+        self.refused("cloth: vertices has masked values; fill or leave them out first",
+                     self.scene.set_vertices, 0, masked)
         self.scene.set_vertices(0, numpy.ma.array(VERTICES))  # nothing is masked
 
     def test_margins(self):
