@@ -29,7 +29,7 @@ make_stand_in() {
   mkdir -p "$stand_in"
   echo "makes a root of $release in $stand_in (minutes)"
   # shellcheck disable=SC2086
-  debootstrap --variant=minbase $release "$stand_in" >"$log" 2>&1 &&
+  PATH=$PATH:/usr/sbin debootstrap --variant=minbase $release "$stand_in" >"$log" 2>&1 &&
     cp -L /etc/resolv.conf "$stand_in/etc/" &&
     echo "127.0.0.1 localhost $(hostname)" >"$stand_in/etc/hosts" &&
     chroot "$stand_in" dpkg --add-architecture arm64 &&

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/body_distance.h"
+#include "core/common/rejected_bodies.h"
 
 namespace deformable_contact_monitor {
 namespace py = pybind11;
@@ -75,6 +76,20 @@ py::dict toDict(const Counters& counters) {
   return dict;
 }
 
+// Returns how many triangles were rejected, by (body, part). The result has only bodies with named
+// parts; here, 0 is the part of the others.
+py::dict rejectedParts(const DetectionResult& result, const RejectedBodies& rejected) {
+  py::dict dict;
+  for (const RejectedPart& of : result.rejected_parts) {
+    dict[py::make_tuple(of.body, of.part)] = of.count;
+  }
+  for (BodyId id = 0; id < rejected.counts().size(); ++id) {
+    const RejectedTriangles& of = rejected.counts()[id];
+    if (of.by_part.empty() && of.count > 0) dict[py::make_tuple(id, PartId{0})] = of.count;
+  }
+  return dict;
+}
+
 // Returns the text of repr().
 std::string describe(const PythonResult& result) {
   return "<Result: " + std::to_string(result.pairs.shape(0)) + " contacts, " +
@@ -98,15 +113,17 @@ constexpr const char* kDistanceText = R"(What is certain of the distance of two 
 constexpr const char* kStateText =
     R"('none': farther apart than the margin; 'near': apart, and within
 margin and tolerance; 'contact': two points are at most tolerance_m apart; 'unknown': not decided
-in time. All but the last are certain.)";
+in time, or one of the two has rejected triangles (Result.rejected_parts) and the others do not
+touch: nobody knows where those are. All but the last are certain.)";
 
 constexpr const char* kNearestText =
     R"(The nearest triangles of each enabled pair of two bodies that is at most its margin apart.
 
 A list of NearestPair, ascending by (body_a, body_b); None unless Detector(nearest=True). A pair of
 bodies that is missing is farther apart than the larger of its margins (Scene.set_margin), unless
-cut_off is true: then nothing is known of it. Also in swept motion, distances are those of the
-present moment. A body with itself has no distance.)";
+cut_off is true or one of the two has rejected triangles (rejected_parts): then nothing is known of
+it. Rejected triangles take no part, so a distance of such a body is an upper bound. Also in swept
+motion, distances are those of the present moment. A body with itself has no distance.)";
 
 constexpr const char* kNearestPartsText =
     R"(The same for each enabled pair of parts of two bodies of which one has named parts.
@@ -232,11 +249,10 @@ PythonResult::PythonResult(const DetectionResult& result, const std::string& in_
     nearest_parts = all;
   }
   for (const BodyId body : result.without_step) without_step.append(body);
-  for (const RejectedPart& rejected : result.rejected_parts) {
-    rejected_parts[py::make_tuple(rejected.body, rejected.part)] = rejected.count;
-  }
+  const RejectedBodies rejected(scene, options.motion, result.counters.rejected);
+  rejected_parts = rejectedParts(result, rejected);
   for (const BodyDistance& distance : result.distances) {
-    distances.append(PythonDistance(distance, scene, options.tolerance_m));
+    distances.append(PythonDistance(rejected.certain(distance), scene, options.tolerance_m));
   }
   for (const auto& [stage, ms] : result.stages_ms) stages_ms[py::str(stage)] = ms;
 }
@@ -267,7 +283,9 @@ void bindDistance(py::module& module) {
       .def_readonly("body_a", &Self::body_a, "The lower id.")
       .def_readonly("body_b", &Self::body_b, "The other id.")
       .def_readonly("state", &Self::state, kStateText)
-      .def_readonly("low_m", &Self::low_m, "No two points are nearer; 0: nothing is known.")
+      .def_readonly("low_m", &Self::low_m,
+                    "No two points are nearer; 0: nothing is known, as of bodies with rejected "
+                    "triangles.")
       .def_readonly("high_m", &Self::high_m,
                     "point_a and point_b are at most so far apart; inf: there are none.")
       .def_property_readonly("triangles", trianglesOf<Self>(&Self::witness), "Of the two points.")
@@ -276,7 +294,8 @@ void bindDistance(py::module& module) {
       .def_property_readonly("point_b", tupleOf<Self>(&Self::point_b),
                              "On body_b, in the scene frame [m].")
       .def_readonly("is_listed", &Self::is_listed,
-                    "Whether Result.pairs has all contacts of the two.")
+                    "Whether Result.pairs has all contacts of the two. False for bodies with "
+                    "rejected triangles.")
       .def_readonly("contact_count", &Self::contact_count, "How many it has of them.");
 }
 
@@ -320,9 +339,11 @@ void bindResult(py::module& module) {
       .def_readonly("distances", &Self::distances, kDistancesText)
       .def_readonly("nearest", &Self::nearest, kNearestText)
       .def_readonly("nearest_parts", &Self::nearest_parts, kNearestPartsText)
-      .def_readonly("rejected_parts", &Self::rejected_parts,
-                    "By (body, part): how many triangles of bodies with parts take no part, for a "
-                    "vertex is not finite.")
+      .def_readonly(
+          "rejected_parts", &Self::rejected_parts,
+          "{(body, part): triangles with a NaN or infinite vertex}; 0: no named part. They "
+          "take no part. Where vertices of a body are on a device, only bodies with "
+          "named parts are listed.")
       .def_readonly("complete", &Self::complete, kCompleteText)
       .def_readonly("guaranteed", &Self::guaranteed,
                     "Whether the settings in force cannot lose a contact.")

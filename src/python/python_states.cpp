@@ -47,6 +47,7 @@ pairs: whether results list all pairs of bodies that touch (StateResults.pairs).
 nearest: whether results have the distance and the nearest triangles of each state within the margins
     (Scene.set_margin).
 max_time_s: when the check ends early [s]; states that were not decided are unknown. None: never.
+Where a body has triangles with a NaN or infinite vertex, no state is free (StateResults.unknown).
 Only enabled pairs of two bodies of which one moves are looked at. Other threads run meanwhile.
 Raises ValueError for a wrong shape, a pose that is not rigid, a body that does not exist or is there
 twice, and a negative time; RuntimeError where the backend fails ('auto' goes on on the CPU instead),
@@ -133,6 +134,16 @@ std::unique_ptr<PythonStateChecker> makePythonStateChecker(const std::string& ba
   }
   return std::make_unique<PythonStateChecker>(toBackendChoice(backend),
                                               toSettings(device, memory_limit_mib), threads);
+}
+
+// Returns the results of a scene with rejected triangles: nobody knows where these are, so states
+// in which the other triangles do not touch are unknown.
+StateResults withRejectedUnknown(const StateResults& results) {
+  StateResults certain = results;
+  for (StateAnswer& answer : certain.states) {
+    if (answer.decision != PairDecision::kContact) answer = StateAnswer();
+  }
+  return certain;
 }
 
 // Warns as Python does where every state is free because nothing is looked at.
@@ -232,7 +243,9 @@ PythonStates PythonStateChecker::check(PythonScene* scene, const std::vector<std
         return checker->check(scene->scene(), batch, options);
       },
       [&](const StateResults& results) {
-        return PythonStates{results, options, backend()};
+        return results.rejected.empty()
+                   ? PythonStates{results, options, backend()}
+                   : PythonStates{withRejectedUnknown(results), options, backend()};
       });
 }
 
@@ -256,12 +269,11 @@ void bindStates(py::module& module) {
   py::class_<PythonStates>(module, "StateResults", "What StateChecker.check() found.")
       .def_readonly("touches", &PythonStates::touches, "(n,) bool: some bodies touch.")
       .def_readonly("free", &PythonStates::free,
-                    "(n,) bool: certainly, no bodies touch, however near they are, but for "
-                    "triangles with a vertex that "
-                    "was not finite when it was set (NaN): they are left out, see rejected_parts.")
+                    "(n,) bool: certainly, no bodies touch, however near they are.")
       .def_readonly("unknown", &PythonStates::unknown,
                     "(n,) bool: not decided (cut_off), or a pose is not finite, or takes vertices "
-                    "beyond float32. Never free.")
+                    "beyond float32, or some body that was looked at has triangles with a NaN or "
+                    "infinite vertex (rejected_parts) and the others do not touch. Never free.")
       .def_readonly("distances", &PythonStates::distances,
                     "(n,) float32, of the nearest two bodies [m]: 0 where bodies touch, inf where "
                     "all are beyond their margins, NaN where unknown. None without nearest.")
@@ -278,7 +290,9 @@ void bindStates(py::module& module) {
                     "(k, 3) uint32, ascending: state body_a body_b, of all bodies that touch. None "
                     "without pairs.")
       .def_readonly("rejected_parts", &PythonStates::rejected_parts,
-                    "{(body, part): triangles with a NaN or infinite vertex}; 0: no named part.")
+                    "{(body, part): triangles with a NaN or infinite vertex}, of pairs that were "
+                    "looked at; 0: no named part. While there are any, no state is free. Where "
+                    "they may be ignored, leave them out of the mesh (Scene.set_mesh).")
       .def_readonly("cut_off", &PythonStates::cut_off, "Whether time ran out.")
       .def_readonly("cut_off_because", &PythonStates::cut_off_because,
                     "'no time'; empty: it was not cut off.")

@@ -118,6 +118,21 @@ class Tolerance(unittest.TestCase):
         self.assertTrue(.001 < distance.high_m <= .005, distance.high_m)
         self.assertTrue(0 <= distance.low_m <= .003, distance.low_m)
 
+    def test_bodies_with_rejected_triangles_are_unknown_unless_they_touch(self):
+        for height, state in (0, "contact"), (.012, "unknown"), (.03, "unknown"):
+            vertices, triangles = sheet(height)
+            vertices = numpy.array(vertices, numpy.float32)
+            vertices[0] = numpy.nan
+            result = self.detect(sheet(0), (vertices, triangles))
+            distance, = result.distances
+            self.assertEqual((distance.state, distance.low_m), (state, 0))
+            self.assertFalse(distance.is_listed)
+            self.assertGreater(result.counters["rejected"], 0)
+            self.assertEqual(result.rejected_parts, {(1, 0): result.counters["rejected"]})
+            vertices[:] = numpy.nan
+            distance, = self.detect(sheet(0), (vertices, triangles)).distances
+            self.assertEqual((distance.state, distance.low_m), ("unknown", 0))
+
     def test_those_of_several_pairs_ascend(self):
         scene = scene_of([sheet(0), sheet(.5), sheet(.501)], [(1, 2), (0, 1), (0, 2)])
         detector = Detector("cpu", tolerance_m=.005)

@@ -45,6 +45,10 @@ class Parts(unittest.TestCase):
         vertices[0, 0] = float("nan")
         self.scene.set_vertices(self.two, vertices)
         self.assertEqual(self.detector.detect(self.scene).rejected_parts, {(self.two, 7): 1})
+        self.scene.set_parts(self.two, None)
+        self.assertEqual(self.detector.detect(self.scene).rejected_parts, {(self.two, 0): 1})
+        for detector in Detector("cpu", nearest=True), Detector("cpu", tolerance_m=.01):
+            self.assertEqual(detector.detect(self.scene).rejected_parts, {(self.two, 0): 1})
         self.scene.set_vertices(self.two, TWO)
         self.assertEqual(self.detector.detect(self.scene).rejected_parts, {})
 

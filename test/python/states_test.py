@@ -94,6 +94,31 @@ class States(unittest.TestCase):
         self.scene.set_vertices(self.floor, vertices)
         states = self.checker.check(self.scene, [self.one], poses[:1])
         self.assertEqual(states.rejected_parts, {(self.floor, 0): 1})
+        self.assertEqual((states.free.any(), states.unknown.all()), (False, True))
+
+    def test_beside_a_hole_only_contacts_are_known(self):
+        """The second body is NaN at one vertex, and looked at only where it moves."""
+        vertices = numpy.array([[1, 2, 0], [1, 3, 2], [2, 2, 2], [numpy.nan] * 3], numpy.float32)
+        scene = Scene()
+        floor = scene.add_body("floor", FLOOR, TRIANGLE)
+        hole = scene.add_body("hole", vertices, [[0, 1, 2], [0, 1, 3]])
+        whole = scene.add_body("whole", vertices[:3], TRIANGLE)
+        for body in hole, whole:
+            scene.set_pair_enabled(floor, body)
+            scene.set_margin(body, 9)
+        poses = [[at(0, 0, 0)], [at(0, 0, 5)]]
+        states = self.checker.check(scene, [hole], poses, nearest=True)
+        self.assertEqual(states.touches.tolist(), [True, False])
+        self.assertEqual(states.unknown.tolist(), [False, True])
+        self.assertEqual(states.free.tolist(), [False, False])
+        self.assertEqual(states.distances[0], 0)
+        self.assertTrue(numpy.isnan(states.distances[1]))
+        self.assertEqual(states.nearest_pairs[1].tolist(), [0] * 4)
+        self.assertEqual(states.points[1].tolist(), [[0, 0, 0]] * 2)
+        self.assertEqual(states.rejected_parts, {(hole, 0): 1})
+        states = self.checker.check(scene, [whole], poses)
+        self.assertEqual(states.free.tolist(), [False, True])
+        self.assertEqual(states.rejected_parts, {})
 
     def test_states_equal_detections(self):
         rng = numpy.random.default_rng(5)

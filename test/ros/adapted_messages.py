@@ -86,7 +86,28 @@ def depth_triangles(pixels, rows, max_jump):
             ways.append([triangle for triangle, of in zip(way, depths)
                          if of.min() > 0 and of.max() <= (1 + max_jump) ** 2 * of.min()])
         triangles += max(ways, key=len)
+    triangles += lone_pixels(squared, columns, (1 + max_jump) ** 2, {*sum(triangles, ())})
     return np.array(triangles, np.uint32).reshape(-1, 3)
+
+
+def lone_pixels(squared, columns, most, in_triangle):
+    """The lines and points, as triangles, of the pixels that are in none."""
+    def neighbours(pixel):
+        for step in (-columns - 1, -columns, 1 - columns, -1, 1, columns - 1, columns, columns + 1):
+            other = pixel + step
+            if 0 <= other < len(squared) and abs(other % columns - pixel % columns) <= 1:
+                low, high = sorted(squared[[pixel, other]])
+                if 0 < low and high <= most * low:
+                    yield other
+    made = []
+    for pixel in np.flatnonzero(squared):
+        if pixel not in in_triangle:
+            near = list(neighbours(pixel))
+            made += [(pixel, other, other) for other in near
+                     if other in in_triangle or pixel < other]
+            if not near:
+                made.append((pixel, pixel, pixel))
+    return made
 
 
 def cloud_message(mesh, rows=1):

@@ -51,6 +51,18 @@ def noise():
     return 1 + 0.1 * np.random.default_rng(1).random((ROWS, COLUMNS))
 
 
+def table():
+    """Seen at so flat an angle that each row is a tenth farther away than the one below it."""
+    return np.repeat(0.45 * 1.1 ** np.arange(ROWS)[::-1, None], COLUMNS, axis=1)
+
+
+def cable():
+    """One pixel wide, through the palm; the floor lies far behind it."""
+    depth = floor(3)
+    depth[:, COLUMNS // 2] = np.linspace(0.9, 1.1, ROWS)
+    return depth
+
+
 class DepthCamera(unittest.TestCase):
 
     @classmethod
@@ -77,7 +89,7 @@ class DepthCamera(unittest.TestCase):
     def test_contacts_are_those_of_the_triangles(self):
         wait_for_transforms(lambda: self.send(image(floor(3))))
         touched, counts = [], []
-        for depth in (floor(1), step(), holes(), noise(), floor(0.5)):
+        for depth in (floor(1), step(), holes(), noise(), table(), cable(), floor(0.5)):
             points = image(depth)
             triangles = depth_triangles(points, ROWS, 0.0625)
             contacts = self.send(points)
@@ -90,6 +102,8 @@ class DepthCamera(unittest.TestCase):
             counts.append(len(triangles))
         self.assertEqual(touched[0], {"palm", "finger"})
         self.assertEqual(touched[1], {"palm"})
+        self.assertIn("palm", touched[4], "a row of the table crosses it")
+        self.assertIn("palm", touched[5])
         self.assertEqual(touched[-1], set())
         whole = 2 * (ROWS - 1) * (COLUMNS - 1)
         self.assertEqual(counts[0], whole)

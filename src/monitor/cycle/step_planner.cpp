@@ -2,14 +2,14 @@
 //
 // An interval starts at the previous cycle of whoever triggered this one, so that the intervals of
 // an object follow each other without gaps. The other body of a pair starts where that previous
-// cycle saw it, even if newer meshes of it came in between. If both objects of a pair triggered the
-// cycle, the pair's own previous cycle is the later one of theirs.
+// cycle saw it, even if newer meshes of it came in between. Of a pair of two objects, the interval
+// starts at whichever cycle of either came last. So the pair's intervals follow each other without
+// gaps as well, although the cycles of both take turns.
 #include "monitor/cycle/step_planner.h"
 
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <map>
 #include <stdexcept>
 #include <utility>
 
@@ -31,9 +31,6 @@ bool isSame(const RigidTransform& a, const RigidTransform& b) {
                     is_close);
 }
 
-// The number of the earlier cycle that each interval starts from; 0 if there is none.
-using Beginnings = std::map<std::size_t, std::uint64_t>;  // by object, then the robot
-
 // Returns the bodies of one who triggers cycles: an object, or all links for the robot. Rigid
 // objects trigger none.
 std::vector<BodyId> bodiesOf(std::size_t who, const MonitorScene& scene) {
@@ -44,18 +41,6 @@ std::vector<BodyId> bodiesOf(std::size_t who, const MonitorScene& scene) {
   std::vector<BodyId> bodies;
   for (std::size_t id = begin; id < end; ++id) bodies.push_back(static_cast<BodyId>(id));
   return bodies;
-}
-
-// Returns the number of the cycle that the pair's interval starts from; 0 if there is none.
-std::uint64_t beginningOf(const MonitoredPair& pair, const MonitorScene& scene,
-                          const Beginnings& beginnings) {
-  const BodyId first = scene.firstObject();
-  const auto of = [&](BodyId id) {
-    const auto found = beginnings.find(id < first ? scene.bodies().size() - first : id - first);
-    return found == beginnings.end() ? 0 : found->second;
-  };
-  if (pair.b < first) return of(pair.b);  // no deformable object
-  return pair.a < first ? of(pair.b) : std::max(of(pair.a), of(pair.b));
 }
 
 // Takes over what the prepared scene uses of each body.
@@ -163,9 +148,9 @@ std::vector<SweepReport> StepPlanner::plan(const CycleTrigger& trigger, const Mo
   for (const std::size_t who : triggers) {
     const std::vector<BodyId> bodies = bodiesOf(who, scene);
     const std::string problem = problemOf(who, *used, bodies.empty() ? 0 : bodies.front());
-    const std::shared_ptr<const UsedCycle> from = previous_[who].used;
-    const std::uint64_t number = problem.empty() ? from->cycle : 0;
-    beginnings[who] = number;
+    const std::shared_ptr<const UsedCycle> from = problem.empty() ? previous_[who].used : nullptr;
+    const std::uint64_t number = from == nullptr ? 0 : from->cycle;
+    beginnings[who] = from;
     starts[number] = from;
     SweepReport& interval = intervals[number];
     interval.bodies.resize(scene.bodies().size());
@@ -177,7 +162,13 @@ std::vector<SweepReport> StepPlanner::plan(const CycleTrigger& trigger, const Mo
   planned_triggers_ = std::move(triggers);
   for (const MonitoredPair& pair : report.pairs) {
     if (!scene.scene().pairEnabled(pair.a, pair.b)) continue;
-    intervals[beginningOf(pair, scene, beginnings)].pairs.push_back(pair);
+    const std::shared_ptr<const UsedCycle> from = startOf(pair, scene, beginnings);
+    const std::uint64_t number = from == nullptr ? 0 : from->cycle;
+    starts[number] = from;
+    SweepReport& interval = intervals[number];
+    interval.bodies.resize(scene.bodies().size());
+    if (number > 0) interval.from = from->stamp;
+    interval.pairs.push_back(pair);
   }
 
   std::vector<SweepReport> planned;
@@ -198,6 +189,34 @@ std::vector<SweepReport> StepPlanner::plan(const CycleTrigger& trigger, const Mo
 void StepPlanner::commit() {
   for (const std::size_t who : planned_triggers_) previous_[who] = {planned_, ""};
   planned_triggers_.clear();
+}
+
+// Returns the cycle that the pair's interval starts from; null if there is none.
+std::shared_ptr<const UsedCycle> StepPlanner::startOf(const MonitoredPair& pair,
+                                                      const MonitorScene& scene,
+                                                      const Beginnings& beginnings) const {
+  const BodyId first = scene.firstObject();
+  const auto isTrigger = [&](BodyId id) { return id >= first && beginnings.count(id - first) > 0; };
+  if (pair.b < first) {  // no deformable object
+    const auto of_robot = beginnings.find(parameters_.objects.size());
+    return of_robot == beginnings.end() ? nullptr : of_robot->second;
+  }
+  std::shared_ptr<const UsedCycle> start;
+  for (const BodyId id : {pair.a, pair.b}) {
+    if (!isTrigger(id)) continue;
+    const std::shared_ptr<const UsedCycle>& from = beginnings.at(id - first);
+    if (from != nullptr && (start == nullptr || from->cycle > start->cycle)) start = from;
+  }
+  if (start == nullptr) return nullptr;
+  for (const BodyId id : {pair.a, pair.b}) {
+    const std::size_t who = id - first;
+    if (id < first || isTrigger(id) || who >= parameters_.objects.size()) continue;
+    const std::shared_ptr<const UsedCycle>& partners = previous_[who].used;
+    const bool is_later = partners != nullptr && partners->cycle > start->cycle &&
+                          partners->stamp >= start->stamp && partners->stamp <= planned_->stamp;
+    if (is_later && partners->bodies.at(pair.a) && partners->bodies.at(pair.b)) start = partners;
+  }
+  return start;
 }
 
 // Returns why there is no interval from the previous cycle of whoever triggered this one; empty if

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -67,6 +68,12 @@ class StepPlanner {
     std::string why = "its first cycle";
   };
 
+  // The earlier cycle that the interval of each trigger starts from, as previous_ is indexed; null
+  // if there is none.
+  using Beginnings = std::map<std::size_t, std::shared_ptr<const UsedCycle>>;
+
+  std::shared_ptr<const UsedCycle> startOf(const MonitoredPair& pair, const MonitorScene& scene,
+                                           const Beginnings& beginnings) const;
   std::string problemOf(std::size_t who, const UsedCycle& now, BodyId first_body) const;
 
   const MonitorParameters& parameters_;

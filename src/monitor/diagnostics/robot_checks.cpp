@@ -77,6 +77,7 @@ void setSrdfs(const std::vector<RobotParameters>& parameters, const std::vector<
 void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters) {
   std::string bad;
   for (const LinkGeometry& link : robot.links) {
+    if (link.link.empty()) throw std::runtime_error("a link has no name");
     for (const ObjectParameters& object : parameters.objects) {
       if (link.link == object.name) {
         throw std::runtime_error("'" + object.name +

@@ -23,8 +23,8 @@ std::string namesOfNoLink(const std::vector<std::string>& names, const RobotGeom
 void setSrdfs(const std::vector<RobotParameters>& parameters, const std::vector<Srdf>& srdfs,
               RobotGeometry* robot);
 
-// Throws std::runtime_error if a link has the name of an object, or if strict_geometry is on and
-// links have no usable geometry. The text lists all of these.
+// Throws std::runtime_error if a link has no name or that of an object, or if strict_geometry is on
+// and links have no usable geometry. The text lists all of these.
 void checkRobot(const RobotGeometry& robot, const MonitorParameters& parameters);
 
 // Returns what a user should know about a robot that is used, a line each: links without usable

@@ -379,7 +379,7 @@ IncomingMesh DepthCloudAdapter::adapt(const Message& message, const ros::Time& /
     reject("only " + std::to_string(surface.pixels_with_depth) + " of " + sizeText(message) +
            " pixels have a depth, fewer than min_seen allows");
   }
-  if (surface.triangles.empty()) reject("no three neighbouring pixels have similar depths");
+  if (surface.triangles.empty()) reject("no pixel has a depth");
   topology_.addTo(std::move(surface.triangles), mesh.get());
   return {mesh};
 }

@@ -188,8 +188,10 @@ void MeshInput::checkAge(const ros::Time& stamp, const ros::Time& now) const {
     rejectMesh("header.stamp is " + std::to_string(ahead_s) + " s ahead of this machine's clock");
   }
   if (isOld(stamp, now)) {
-    rejectMesh("header.stamp is " + std::to_string(-ahead_s) +
-               " s old, and max_mesh_age_s less; a bag needs /clock and use_sim_time");
+    constexpr double kRecordedS = 60;  // nothing takes so long to arrive
+    rejectMesh("header.stamp is " + std::to_string(-ahead_s) + " s old, and max_mesh_age_s less; " +
+               (-ahead_s < kRecordedS ? "it came late, or its machine's clock is behind"
+                                      : "a bag needs /clock and use_sim_time"));
   }
 }
 

@@ -9,10 +9,11 @@ namespace {
 
 constexpr std::chrono::seconds kRemembered(5);
 
-// Compares bytes, so that a vertex that is not a number equals itself. Triangles may be left out of
-// a message, so their id stands for them.
+// Compares bytes, so that a vertex that is not a number equals itself. Where triangles are left out
+// of a message, their id stands for them.
 bool isSame(const DeformableMesh& a, const DeformableMesh& b) {
   return a.header.frame_id == b.header.frame_id && a.topology_id == b.topology_id &&
+         (a.triangles.empty() || b.triangles.empty() || a.triangles == b.triangles) &&
          a.vertices.size() == b.vertices.size() &&
          (a.vertices.empty() || std::memcmp(a.vertices.data(), b.vertices.data(),
                                             sizeof(float) * a.vertices.size()) == 0);

@@ -162,7 +162,7 @@ void ContactStateTracker::updateTrack(const CycleReport& report, const Monitored
   }
   if (!applyInterval(report, interval, &state, track)) return;
   track->oldest_data = oldestStamp(report, pair);
-  const bool goes_on = resumes(state, report.now, *track);
+  const bool goes_on = resumes(state, interval, report.now, *track);
   const std::uint8_t before = track->state.state;
   enter(std::move(state), goes_on ? track->entered_before : report.header.stamp, track);
   debounce(report.header.stamp, before, interval.first_low, track);
@@ -215,9 +215,13 @@ void ContactStateTracker::updateOlder(const CycleReport& report, const IntervalF
   debounce(report.header.stamp, before, interval.first_low, track);
 }
 
-// Returns whether `state` was interrupted only by a short UNKNOWN.
-bool ContactStateTracker::resumes(const ContactState& state, const ros::Time& now,
-                                  const Track& track) const {
+// Returns whether `state` was interrupted only by a short UNKNOWN. With swept motion, a pair that
+// is apart was so all the time only if the interval reaches back to where it was last found apart.
+bool ContactStateTracker::resumes(const ContactState& state, const IntervalFinding& interval,
+                                  const ros::Time& now, const Track& track) const {
+  if (isApart(state) && (!interval.has_interval || interval.from > track.found_before)) {
+    return false;
+  }
   return track.state.state == ContactState::UNKNOWN && track.state_before == state.state &&
          secondsBetween(now, track.entered) < rules_.since_survives_s;
 }
@@ -236,6 +240,7 @@ void ContactStateTracker::interrupt(std::uint8_t state, const std::string& reaso
   if (track->state.state != ContactState::UNKNOWN) {
     track->state_before = track->state.state;
     track->entered_before = track->entered;
+    track->found_before = track->state.stamp;
   }
   enter(std::move(next), now, track);
   if (track->open) addEvent(*track, ContactEvent::END, now, reason);

@@ -58,7 +58,8 @@ class ContactStateTracker {
   // PairSummary. min_separation [m] is +inf without a triangle pair, and NaN where the state is
   // UNKNOWN or ALLOWED. `since` is never negative. It counts from the beginning of the state. An
   // UNKNOWN shorter than since_survives_s does not interrupt the state if the same state follows
-  // it; the UNKNOWN's own `since` counts from when it was reported.
+  // it (with swept motion, a NONE or NEAR only if a step covers the time between them); the
+  // UNKNOWN's own `since` counts from when it was reported.
   ContactStates states(const ros::Time& stamp, const ros::Time& now) const;
 
   // Returns the events since the last call, oldest first. An END with a reason does not come from
@@ -79,9 +80,10 @@ class ContactStateTracker {
     ros::Time oldest_data;         // of a known state: the older stamp of its bodies' data
     std::string whole_a, whole_b;  // the bodies' names, also where the state is of a part
     ros::Time entered;  // stamp at which the state began; of UNKNOWN and ALLOWED, the time
-    // For an UNKNOWN state: the state before it (UNKNOWN if there is none), and when it began.
+    // For an UNKNOWN state: the state before it (UNKNOWN if there is none), when it began, and the
+    // last stamp at which it was found.
     std::uint8_t state_before = ContactState::UNKNOWN;
-    ros::Time entered_before;
+    ros::Time entered_before, found_before;
     bool open = false;           // BEGIN was sent, END was not
     int cycles = 0;              // cycles in a row that speak for a change of `open`
     std::string listed_problem;  // why a body was not known when all pairs were listed last
@@ -101,7 +103,8 @@ class ContactStateTracker {
                      ContactState* state, Track* track);
   void updateOlder(const CycleReport& report, const IntervalFinding& interval, Track* track);
   void noteBodyProblem(const std::string& problem, Track* track) const;
-  bool resumes(const ContactState& state, const ros::Time& now, const Track& track) const;
+  bool resumes(const ContactState& state, const IntervalFinding& interval, const ros::Time& now,
+               const Track& track) const;
   void enter(ContactState state, const ros::Time& when, Track* track);
   void interrupt(std::uint8_t state, const std::string& reason, const ros::Time& now, Track* track);
   void debounce(const ros::Time& stamp, std::uint8_t before, float first_low, Track* track);

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "core/body_distance.h"
+#include "core/common/rejected_bodies.h"
 #include "tools/common/command_line.h"
 #include "tools/common/formatted.h"
 #include "tools/common/reports.h"
@@ -75,6 +76,7 @@ Json point(const Vec3f& p) { return {p.x, p.y, p.z}; }
 
 // Returns the state of each enabled pair of two bodies, ascending. If the result has no bounds
 // (DetectionResult::distances), the listed contacts decide, and the points of a witness are zero.
+// Bodies with rejected triangles are in contact, or nothing is certain.
 std::vector<BodyState> bodyStates(const Scene& scene, const DetectionResult& result,
                                   const Options& options) {
   const bool is_searched = options.nearest && !options.near_pairs;
@@ -88,12 +90,24 @@ std::vector<BodyState> bodyStates(const Scene& scene, const DetectionResult& res
     }
   }
   // The core decides, so the tool and the node report the same states.
+  const RejectedBodies rejected(scene, options.motion, result.counters.rejected);
   std::vector<BodyState> states;
   states.reserve(distances.size());
-  for (const BodyDistance& distance : distances) {
+  for (const BodyDistance& found : distances) {
+    const BodyDistance distance = rejected.certain(found);
     states.push_back({distance, decide(distance, scene, options.tolerance_m)});
   }
   return states;
+}
+
+// Returns the bounds of a distance in words, with the witness.
+std::string boundsText(const BodyDistance& d) {
+  if (!std::isinf(d.high_m)) {
+    return formatted("%.6g to %.6g apart, by triangles %u and %u", d.low_m, d.high_m,
+                     d.witness.triangle_a, d.witness.triangle_b);
+  }
+  return d.low_m > 0 ? formatted("at least %.6g apart", d.low_m)
+                     : "nothing is known of the distance";
 }
 
 // Returns lines of pairs: the names of the bodies, the state, and the bounds of the distance with
@@ -101,12 +115,8 @@ std::vector<BodyState> bodyStates(const Scene& scene, const DetectionResult& res
 std::string bodyStateLines(const Scene& scene, const std::vector<BodyState>& states) {
   return firstPairs(states.size(), [&](std::size_t i) {
     const BodyDistance& d = states[i].distance;
-    const std::string range = std::isinf(d.high_m)
-                                  ? formatted("at least %.6g apart", d.low_m)
-                                  : formatted("%.6g to %.6g apart, by triangles %u and %u", d.low_m,
-                                              d.high_m, d.witness.triangle_a, d.witness.triangle_b);
     return scene.body(d.body_a).name + " with " + scene.body(d.body_b).name + ": " +
-           toString(states[i].decision) + ", " + range;
+           toString(states[i].decision) + ", " + boundsText(d);
   });
 }
 
@@ -236,16 +246,18 @@ std::string bodyPairs(const Scene& scene, const TrianglePairs& contacts) {
 }
 
 // Returns one line: whether the list has every contact, and each reason why it may not.
-std::string completeness(const DetectionResult& result) {
+std::string completeness(const DetectArguments& arguments, const DetectionResult& result) {
   std::string text = result.isComplete() ? "complete: yes" : "complete: no";
   if (!result.guaranteed) {
-    text += result.distances.empty() ? "; these settings or this backend may err"
-                                     : "; of pairs of bodies it is certain, of triangles not";
+    text += result.distances.empty()        ? "; these settings or this backend may err"
+            : result.counters.rejected == 0 ? "; of pairs of bodies it is certain, of triangles not"
+                                            : "; of triangles it is not certain";
   }
   if (result.cut_off) text += "; cut off: " + result.cut_off_because;
   if (result.counters.rejected > 0) {
     text += "; " + std::to_string(result.counters.rejected) +
             " triangles have a NaN or infinite vertex and took no part";
+    if (arguments.bounded()) text += ", so their bodies are unknown unless they touch";
   }
   if (result.counters.undecided > 0) {
     text += "; " + std::to_string(result.counters.undecided) + " undecided pairs count as contacts";
@@ -375,7 +387,7 @@ std::string summary(const DetectArguments& arguments, const Scene& scene,
     states += nearestSummary(scene, nearestBodies(scene, last, arguments.options.tolerance_m));
   }
   return std::to_string(last.contacts.size()) + " contacts\n" + bodyPairs(scene, last.contacts) +
-         states + completeness(last) + std::to_string(scene.bodyCount()) + " bodies, " +
+         states + completeness(arguments, last) + std::to_string(scene.bodyCount()) + " bodies, " +
          std::to_string(last.counters.triangles) + " triangles, " +
          std::to_string(last.counters.clusters) + " clusters, " +
          std::to_string(last.counters.candidates) + " candidate pairs, backend " + backend + "\n" +

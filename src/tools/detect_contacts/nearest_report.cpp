@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/body_distance.h"
+#include "core/common/rejected_bodies.h"
 #include "core/vector3.h"
 #include "tools/common/command_line.h"
 #include "tools/common/formatted.h"
@@ -52,6 +53,7 @@ std::string firstPairs(std::size_t count, const std::function<std::string(std::s
 
 // The exact search is preferred; bounds fill in for pairs that it did not look at.
 NearestBodies nearestBodies(const Scene& scene, const DetectionResult& result, float tolerance_m) {
+  const RejectedBodies rejected(scene, Motion::kInstant, result.counters.rejected);
   std::map<std::pair<BodyId, BodyId>, Entry> found;
   for (const NearestPair& nearest : result.nearest) {
     found[{nearest.pair.body_a, nearest.pair.body_b}] = Entry{nearest, true};
@@ -63,9 +65,10 @@ NearestBodies nearestBodies(const Scene& scene, const DetectionResult& result, f
   }
   for (const auto& pair : scene.enabledPairs()) {
     if (pair.first == pair.second || found.count(pair) > 0) continue;
+    const bool has_rejected = rejected.hasOneOf(pair.first, pair.second);
     const auto bound = bounds.find(pair);
     if (bound == bounds.end()) {
-      bodies.open_pairs += result.cut_off ? 1 : 0;
+      bodies.open_pairs += result.cut_off || has_rejected ? 1 : 0;
       continue;
     }
     const PairDecision decision = decide(*bound->second, scene, tolerance_m);
@@ -73,10 +76,15 @@ NearestBodies nearestBodies(const Scene& scene, const DetectionResult& result, f
     if (!is_apart && tolerance_m > 0 && decision != PairDecision::kOpen) {
       found[pair] = boundOf(*bound->second);
     } else {
-      bodies.open_pairs += is_apart ? 0 : 1;
+      bodies.open_pairs += is_apart && !has_rejected ? 0 : 1;
     }
   }
-  for (const auto& [pair, entry] : found) bodies.entries.push_back(entry);
+  for (auto& [pair, entry] : found) {
+    // Bodies that touch are at distance 0 whatever else there is.
+    entry.has_rejected = entry.nearest.distance_m > 0 && rejected.hasOneOf(pair.first, pair.second);
+    entry.is_exact = entry.is_exact && !entry.has_rejected;
+    bodies.entries.push_back(entry);
+  }
   return bodies;
 }
 
@@ -123,12 +131,20 @@ std::vector<std::string> nearestNotes(const NearestBodies& bodies, float toleran
     notes.push_back(std::to_string(bodies.open_pairs) +
                     " pairs of bodies are not decided, so --nearest does not list them");
   }
-  const auto bounds = std::count_if(bodies.entries.begin(), bodies.entries.end(),
-                                    [](const Entry& entry) { return !entry.is_exact; });
+  const auto bounds =
+      std::count_if(bodies.entries.begin(), bodies.entries.end(),
+                    [](const Entry& entry) { return !entry.is_exact && !entry.has_rejected; });
   if (bounds > 0) {
     notes.push_back(std::to_string(bounds) +
                     " distances of --nearest are upper bounds, too large by at most " +
                     toText(tolerance_m));
+  }
+  const auto rejected = std::count_if(bodies.entries.begin(), bodies.entries.end(),
+                                      [](const Entry& entry) { return entry.has_rejected; });
+  if (rejected > 0) {
+    notes.push_back(std::to_string(rejected) +
+                    " distances of --nearest are upper bounds, because of triangles that took no "
+                    "part");
   }
   return notes;
 }

@@ -17,7 +17,8 @@ struct NearestBodies {
   // A pair of two bodies that is at most its margin apart.
   struct Entry {
     NearestPair nearest;
-    bool is_exact;  // false: the distance is an upper bound, with --tolerance-m
+    bool is_exact;  // false: the distance is an upper bound, with --tolerance-m or has_rejected
+    bool has_rejected = false;  // triangles of one of the two took no part, and may be nearer
   };
 
   std::vector<Entry> entries;  // ascending by (body_a, body_b)
@@ -30,7 +31,7 @@ std::string firstPairs(std::size_t count, const std::function<std::string(std::s
 
 // Collects the pairs from the exact search and, if there is a tolerance, from the bounds of
 // distances. A pair of bodies without an entry is farther apart than its margin, unless
-// `open_pairs` counts it.
+// `open_pairs` counts it. Those of a body with rejected triangles are always counted.
 NearestBodies nearestBodies(const Scene& scene, const DetectionResult& result, float tolerance_m);
 
 // Returns a line "bodyA triA bodyB triB distance" for each entry. Numbers have nine digits, which

@@ -9,9 +9,11 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <stdexcept>
 
 #include "core/body_distance.h"
 #include "core/common/posed_body.h"
+#include "core/common/rejected_bodies.h"
 #include "tools/common/backend_choice.h"
 #include "tools/common/sample_statistics.h"
 #include "tools/measure_trade/trade_grid.h"
@@ -80,11 +82,14 @@ class Counting {
            BoundMeasurement* sum)
       : scene_(scene), truth_(truth), frame_(std::move(frame)), sum_(sum) {}
 
-  // Takes the bounds of each pair, or the list of contacts of a detection without bounds.
+  // Takes the bounds of each pair, or the list of contacts of a detection without bounds. A pair of
+  // a body with rejected triangles is UNKNOWN unless the others touch.
   void add(const DetectionResult& result) {
-    if (result.distances.empty()) return addExact(result);
+    const RejectedBodies rejected(scene_, Motion::kInstant, result.counters.rejected);
+    if (result.distances.empty()) return addExact(result, rejected);
     for (const BodyDistance& distance : result.distances) {
-      const PairDecision decision = decide(distance, scene_, sum_->setting.tolerance_m);
+      const PairDecision decision =
+          decide(rejected.certain(distance), scene_, sum_->setting.tolerance_m);
       add({distance.body_a, distance.body_b}, decision);
       if (decision == PairDecision::kContact) addClaim(distance.witness);
     }
@@ -92,15 +97,15 @@ class Counting {
 
  private:
   // Takes the states of a detection without tolerance: a pair that was not found is decided unless
-  // the detection was cut off.
-  void addExact(const DetectionResult& result) {
+  // the detection was cut off, or triangles were rejected.
+  void addExact(const DetectionResult& result, const RejectedBodies& rejected) {
     const std::set<BodyPair> found = result.touchingBodies();
     for (const BodyPair& bodies : scene_.enabledPairs()) {
       if (bodies.first == bodies.second) continue;
-      const bool is_found = found.count(bodies) > 0;
-      add(bodies, is_found         ? PairDecision::kContact
-                  : result.cut_off ? PairDecision::kOpen
-                                   : PairDecision::kNone);
+      const bool is_open = result.cut_off || rejected.hasOneOf(bodies.first, bodies.second);
+      add(bodies, found.count(bodies) > 0 ? PairDecision::kContact
+                  : is_open               ? PairDecision::kOpen
+                                          : PairDecision::kNone);
     }
   }
 
@@ -183,10 +188,17 @@ double BoundMeasurement::p99OverBudget() const {
 TouchingPairs touchingBodies(FrameSource* frames, Detector* exact, const Options& options,
                              const SayProgress& progress) {
   TouchingPairs truth;
+  bool any_pair = false;
   frames->rewind();
   while (frames->next()) {
     progress("exact contacts of " + frames->label());
     truth.push_back(exact->detect(frames->scene(), options).touchingBodies());
+    for (const auto& [a, b] : frames->scene().enabledPairs()) any_pair = any_pair || a != b;
+  }
+  if (!any_pair) {
+    throw std::runtime_error(
+        "--tolerance: no frame has an enabled pair of two bodies, and a body with itself has no "
+        "tolerance");
   }
   return truth;
 }
@@ -209,6 +221,7 @@ void measureBounds(FrameSource* frames, const TouchingPairs& truth, const CycleC
     const DetectionResult& result = detector->detect(scene, bounded);
     const double ms = 1e3 * toSeconds(std::chrono::steady_clock::now() - start);
     if (!is_counted) return;
+    if (sum->ms.size() == frame) sum->rejected += result.counters.rejected;  // the first pass
     sum->ms.push_back(ms);
     Counting(scene, truth.at(frame), frames->label(), sum).add(result);
   });

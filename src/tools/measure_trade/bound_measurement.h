@@ -38,6 +38,7 @@ struct BoundMeasurement {
   std::vector<double> ms;      // time of each detection [ms]
   std::uint64_t pairs = 0;     // pairs that were checked
   std::uint64_t decided = 0;   // pairs that are not UNKNOWN
+  std::uint64_t rejected = 0;  // invalid triangles, over all frames
   PairCounts contacts;         // pairs that intersect, and those that are claimed: state CONTACT
   std::uint64_t missed = 0;    // contacts that are reported as none: a defect if overlap is 1
   double largest_claim_m = 0;  // largest triangleGapM() of a claimed contact [m]
@@ -57,7 +58,8 @@ double triangleGapM(const Triangle& a, const Triangle& b);
 // The pairs of two bodies that intersect, by frame.
 using TouchingPairs = std::vector<std::set<BodyPair>>;
 
-// Finds them with a detector that has no tolerance and no budget.
+// Finds them with a detector that has no tolerance and no budget. Throws std::runtime_error if no
+// frame has an enabled pair of two bodies.
 TouchingPairs touchingBodies(FrameSource* frames, Detector* exact, const Options& options,
                              const SayProgress& progress);
 

@@ -40,6 +40,12 @@ TableRow row(const TradeArguments& arguments, const BoundMeasurement& m,
           {"p99_over_budget", m.p99OverBudget()}};
 }
 
+// Returns whether the setting claims contacts, and none of them is true: its tolerance is too large
+// for the scene.
+bool claimsOnlyFalsely(const BoundMeasurement& m) {
+  return m.contacts.found > 0 && m.contacts.common == 0;
+}
+
 // Returns the line of a setting for people.
 std::string line(const BoundMeasurement& m, const BoundMeasurement& exact) {
   return formatted(
@@ -99,6 +105,7 @@ Json promisesJson(const TradeArguments& arguments, const std::vector<Measurement
   for (const Measurement& m : all) {
     if (!m.broken.empty()) json["broken_promises"].push_back(m.broken);
   }
+  json["rejected_triangles"] = all.front().rejected;
   json["settings"] = jsonTable(rows(arguments, all));
   return json;
 }
@@ -118,18 +125,30 @@ std::string boundsJson(const TradeArguments& arguments, const std::vector<BoundM
   return jsonText(json);
 }
 
-// With a budget, less tolerance is better, then less time. Without one, only the time counts.
+// With a budget, less tolerance is better, then less time. Without one, only the time counts. Of
+// settings that decide every pair, a budget changes no result, so it is not chosen where another
+// setting does without.
 std::optional<std::size_t> chooseBounds(const TradeArguments& arguments,
                                         const std::vector<BoundMeasurement>& all) {
   std::optional<std::size_t> best;
   const auto rank = [&](const BoundMeasurement& m) {
     return std::make_pair(arguments.budget_ms ? m.setting.tolerance_m : 0.F, median(m.ms));
   };
+  const auto is_allowed = [&](const BoundMeasurement& m) {
+    const bool is_late = arguments.budget_ms && percentile(m.ms, 0.95) > *arguments.budget_ms;
+    return m.broken.empty() && m.setting.overlap == 1 && m.decided == m.pairs &&
+           !claimsOnlyFalsely(m) && !is_late;
+  };
+  const auto does_without_budget = [&](const BoundMeasurement& m) {
+    return std::any_of(all.begin(), all.end(), [&](const BoundMeasurement& other) {
+      return m.setting.budget_ms > 0 && other.setting.budget_ms == 0 &&
+             other.setting.tolerance_m == m.setting.tolerance_m &&
+             other.setting.backend == m.setting.backend && is_allowed(other);
+    });
+  };
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const BoundMeasurement& m = all[i];
-    if (!m.broken.empty() || m.setting.overlap < 1 || m.decided < m.pairs) continue;
-    if (arguments.budget_ms && percentile(m.ms, 0.95) > *arguments.budget_ms) continue;
-    if (!best || rank(m) < rank(all[*best])) best = i;
+    if (!is_allowed(all[i]) || does_without_budget(all[i])) continue;
+    if (!best || rank(all[i]) < rank(all[*best])) best = i;
   }
   return best;
 }
@@ -149,13 +168,16 @@ std::string boundsText(const TradeArguments& arguments, const std::vector<BoundM
          "\n";
 }
 
-// Without a choice, the largest tolerance is written, because it is the most likely to keep the
-// budget.
+// Without a choice, the largest tolerance of which some claim is true is written, because it is the
+// most likely to keep the budget.
 std::string boundsYaml(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all,
                        const FrameSource& frames) {
   const std::optional<std::size_t> chosen = chooseBounds(arguments, all);
-  const auto larger = [](const BoundMeasurement& a, const BoundMeasurement& b) {
-    return a.setting.tolerance_m < b.setting.tolerance_m;
+  const auto tolerance = [](const BoundMeasurement& m) {
+    return claimsOnlyFalsely(m) ? -1.F : m.setting.tolerance_m;
+  };
+  const auto larger = [&](const BoundMeasurement& a, const BoundMeasurement& b) {
+    return tolerance(a) < tolerance(b);
   };
   const BoundMeasurement& m =
       chosen ? all[*chosen] : *std::max_element(all.begin(), all.end(), larger);

@@ -25,15 +25,17 @@ std::string boundsJson(const TradeArguments& arguments, const std::vector<BoundM
 
 // Returns the index of the chosen setting: the smallest tolerance that decided every pair and whose
 // 95th percentile keeps the budget of the arguments. Without a budget, it is the fastest setting
-// that decided every pair. Returns nothing if there is none.
+// that decided every pair. A setting of which no claim is true is not chosen, and one with a budget
+// of its own only if none without it has the same tolerance. Returns nothing if there is none.
 std::optional<std::size_t> chooseBounds(const TradeArguments& arguments,
                                         const std::vector<BoundMeasurement>& all);
 
 // Returns a line for each setting, and the choice.
 std::string boundsText(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all);
 
-// Returns the node's parameters. If no setting was chosen, they have the largest tolerance. They
-// have a budget_ms, that of the arguments, only if the arguments ask for it.
+// Returns the node's parameters. If no setting was chosen, they have the largest tolerance of which
+// some claim is true. They have a budget_ms, that of the arguments, only if the arguments ask for
+// it.
 std::string boundsYaml(const TradeArguments& arguments, const std::vector<BoundMeasurement>& all,
                        const FrameSource& frames);
 

@@ -60,6 +60,7 @@ FrameDistances measureMargin(FrameSource* frames, const CycleCounts& cycles, con
     const double ms = 1e3 * toSeconds(std::chrono::steady_clock::now() - start);
     distances.push_back(distancesOf(result, sum->setting.use));
     if (!is_counted) return;
+    if (sum->ms.size() == frame) sum->rejected += result.counters.rejected;  // the first pass
     sum->ms.push_back(ms);
     sum->triangle_pairs += result.contacts.size() + result.left_out;
     sum->body_pairs += sum->setting.use == MarginUse::kIgnored ? result.touchingBodies().size()

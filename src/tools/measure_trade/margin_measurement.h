@@ -38,6 +38,7 @@ struct MarginMeasurement {
   std::vector<double> ms;            // time of each detection [ms]
   std::uint64_t body_pairs = 0;      // pairs of bodies within the margin, or that touch
   std::uint64_t triangle_pairs = 0;  // triangles that were listed
+  std::uint64_t rejected = 0;        // invalid triangles, over all frames
   std::string broken;                // the first difference from other settings; empty: none
 };
 

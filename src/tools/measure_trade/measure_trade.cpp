@@ -4,6 +4,7 @@
 // motion loses (runSwept), tolerances with time budgets (runBounds), margins (runMargins), and
 // states of a robot (runStates). Each opens its output files before it measures, so that nothing is
 // lost at its end, and then writes the tables, draws plots and prints the choice.
+#include <cstdint>
 #include <cstdio>
 #include <functional>
 #include <memory>
@@ -31,6 +32,8 @@
 
 namespace deformable_contact_monitor {
 namespace {
+
+constexpr const char* kNoContact = "no frame has a contact, so recall says nothing";
 
 // Writes a note as one line.
 void note(const std::string& what) {
@@ -161,6 +164,13 @@ TradeResults measureAll(const TradeArguments& arguments, FrameSource* frames, Pr
   return results;
 }
 
+// Prints a note if triangles were rejected over all frames. `so` says what follows.
+void noteRejected(std::uint64_t rejected, const char* so = "") {
+  if (rejected == 0) return;
+  note(std::to_string(rejected) +
+       " triangles, over all frames, have a NaN or infinite vertex and took no part" + so);
+}
+
 // Warns about pairs without an interval, and about invalid triangles.
 void warnMotions(const MotionResults& found) {
   if (found.pairs_without_step > 0) {
@@ -168,10 +178,7 @@ void warnMotions(const MotionResults& found) {
          " pairs of bodies, over all frames, were not looked at or had other triangles in the "
          "frame before, or came from where nobody knows, so they have no step there");
   }
-  if (found.rejected > 0) {
-    note(std::to_string(found.rejected) +
-         " triangles, over all frames, have a NaN or infinite vertex and took no part");
-  }
+  noteRejected(found.rejected);
 }
 
 // Measures what instant motion loses. Returns the exit code.
@@ -251,6 +258,8 @@ int runBounds(const TradeArguments& arguments) {
     if (config) config->write(boundsYaml(arguments, all, *frames));
     drawPlots(arguments, "plot_bounds.py", progress);
   });
+  if (all.front().contacts.truth == 0) note(kNoContact);
+  noteRejected(all.front().rejected, ", so their bodies are UNKNOWN unless they touch");
   const int code = exitCode(all, "PROMISE");
   if (arguments.config_file != "-") OutputFile("-").write(boundsText(arguments, all));
   return code;
@@ -298,6 +307,7 @@ int runMargins(const TradeArguments& arguments) {
     table.write(marginsCsv(arguments, all));
     summary.write(marginsJson(arguments, all, *frames));
   });
+  noteRejected(all.front().rejected, ": of their bodies, pairs may be missing");
   const int code = exitCode(all, "PROMISE");
   OutputFile("-").write(marginsText(arguments, all));
   return code;
@@ -346,7 +356,8 @@ int run(const TradeArguments& arguments) {
     if (config && results.chosen) config->write(configYaml(arguments, results, *frames));
     drawPlots(arguments, "plot_trade.py", progress);
   });
-  if (results.exact.bodies.empty()) note("no frame has a contact, so recall says nothing");
+  if (results.exact.bodies.empty()) note(kNoContact);
+  noteRejected(results.exact.rejected, ": contacts of them are missed, and no figure counts them");
   const int code = exitCode(results.measurements, "GUARANTEE");
   // Standard output holds either the configuration or the choice, but not both.
   if (arguments.config_file != "-") OutputFile("-").write(choiceText(arguments, results));

@@ -198,6 +198,9 @@ void check(const TradeArguments& arguments) {
     if (meshes.against.empty() && !meshes.self && arguments.states == 0) {
       refuseUsage("there is nothing to test: no --against and no --self");
     }
+    if (arguments.bounds && meshes.against.empty()) {
+      refuseUsage("--tolerance: is about pairs of two bodies, so --against is required");
+    }
   }
   if (arguments.swept && arguments.grid.backends.size() != 1) {
     refuseUsage("--backends: --swept takes one");

@@ -120,7 +120,9 @@ ExactResults exactResults(FrameSource* frames, AdjacentPairs adjacent,
   frames->rewind();
   while (frames->next()) {
     progress("exact contacts of " + frames->label());
-    exact.contacts.push_back(detector->detect(frames->scene(), options).contacts);
+    const DetectionResult& result = detector->detect(frames->scene(), options);
+    exact.contacts.push_back(result.contacts);
+    exact.rejected += result.counters.rejected;
     exact.labels.push_back(frames->label());
     for (const TrianglePair& pair : exact.contacts.back()) bodies.emplace(pair.body_a, pair.body_b);
   }

@@ -4,6 +4,7 @@
 // lose a whole contact in one frame.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>
@@ -25,6 +26,7 @@ struct ExactResults {
   std::vector<std::vector<TrianglePair>> contacts;  // per frame
   std::vector<std::string> labels;                  // per frame
   std::vector<BodyPair> bodies;                     // with a contact in some frame, ascending
+  std::uint64_t rejected = 0;                       // invalid triangles, over all frames
 };
 
 // Finds the exact contacts on all cores. Throws std::runtime_error if there is no frame.

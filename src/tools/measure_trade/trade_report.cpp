@@ -76,11 +76,14 @@ std::string milliseconds(double ms) {
 std::string percent(double rate) { return formatted("%.7g %%", std::floor(rate * 1e6) / 1e4); }
 
 // Returns the criteria of a setting in words.
-std::string worthText(const Worth& worth) {
+std::string worthText(const TradeResults& results, const Worth& worth) {
+  const bool is_whole = results.exact.rejected == 0;
   return "median " + milliseconds(worth.median_ms) + ", p95 " + milliseconds(worth.p95_ms) +
          "; in the worst frame it finds " + percent(worth.recall) + " of the contacts, and " +
          percent(worth.precision) + " of what it finds are contacts; " +
-         (worth.guaranteed ? "guaranteed to miss none" : "not guaranteed");
+         (!worth.guaranteed ? "not guaranteed"
+          : is_whole        ? "guaranteed to miss none"
+                            : "guaranteed to miss none of the triangles that took part");
 }
 
 Json rangeJson(double figure, const Spread& noise) {
@@ -258,6 +261,7 @@ std::string summaryJson(const TradeArguments& arguments, const TradeResults& res
                         const FrameSource& frames) {
   Json json = summaryHead(arguments, frames);
   json["frames"] = contactsJson(results.exact);
+  json["rejected_triangles"] = results.exact.rejected;
   json["warm_up"] = arguments.warm_up;
   json["repeats"] = results.measurements.front().repeats.size();
   json["cycles"] = results.measurements.front().round_trip_ms.size();
@@ -283,8 +287,8 @@ std::string choiceText(const TradeArguments& arguments, const TradeResults& resu
     const Measurement& m = results.measurements[*results.chosen];
     return "Chosen " +
            (arguments.budget_ms ? "for " + budgetText(*arguments.budget_ms) : "without a budget") +
-           ": " + describe(m.setting) + "\n  " + worthText(m.worth()) + "\n" + noiseText(m) +
-           otherChoices(arguments, results) +
+           ": " + describe(m.setting) + "\n  " + worthText(results, m.worth()) + "\n" +
+           noiseText(m) + otherChoices(arguments, results) +
            (isDefault(m.setting) ? "Keep the defaults: this setting is the node's own.\n" : "");
   }
   // Nothing was chosen, so the fastest setting shows how far the budget is away.
@@ -292,8 +296,8 @@ std::string choiceText(const TradeArguments& arguments, const TradeResults& resu
   const std::string why = arguments.budget_ms
                               ? "No setting keeps " + budgetText(*arguments.budget_ms)
                               : "No setting of these is guaranteed";
-  return why + ". The fastest: " + describe(m.setting) + "\n  " + worthText(m.worth()) + "\n" +
-         noiseText(m);
+  return why + ". The fastest: " + describe(m.setting) + "\n  " + worthText(results, m.worth()) +
+         "\n" + noiseText(m);
 }
 
 // Every line of the comment begins with #, so the file is valid without a chosen setting too.

@@ -44,9 +44,8 @@ TEST_F(StepsTest, WhatPassesBetweenTwoCyclesIsFound) {
   EXPECT_EQ(earlierZ(1), -1);
 }
 
-// At the beginning of the interval the partner has its mesh of the previous cycle, not one that
-// came in between.
-TEST_F(StepsTest, AnObjectsStepsJoinWithoutGaps) {
+// Of a pair of objects, each cycle of either begins where the one before it ended.
+TEST_F(StepsTest, APairsStepsJoinWithoutGaps) {
   give(0, 50, "base", 0);
   give(1, 50, "base", 1);
   step();
@@ -59,14 +58,40 @@ TEST_F(StepsTest, AnObjectsStepsJoinWithoutGaps) {
   EXPECT_EQ(earlierZ(1), 2);
   give(0, 50.125, "base", 5);
   step();
-  EXPECT_EQ(steps(), Lines{"50 of cloth: cloth/cable"});
-  EXPECT_EQ(earlierZ(0), 0);
-  EXPECT_EQ(earlierZ(1), 1) << "as the cloth's cycle at 50 used it";
+  EXPECT_EQ(steps(), (Lines{"50 of cloth:", "50.125 of: cloth/cable"}))
+      << "the cable's cycle was the last of the two, and that is no step of the cloth";
   give(0, 50.1875, "base", 6);
   step();
   EXPECT_EQ(steps(), Lines{"50.125 of cloth: cloth/cable"});
   EXPECT_EQ(earlierZ(0), 5);
   EXPECT_TRUE(std::isnan(earlierZ(1))) << "it stood still";
+}
+
+// The cable sinks through the cloth while that stands still, and the cloth then sinks through the
+// cable. In between the cable has a cycle of its own below the cloth.
+TEST_F(StepsTest, ObjectsWhoseCyclesTakeTurnsDoNotPassUnseen) {
+  give(0, 50, "base", 0);
+  give(1, 50, "base", 1);
+  step();
+  give(1, 50.0625, "base", -1);
+  step();
+  EXPECT_EQ(found_, Lines{"cloth/cable"});
+  give(0, 50.125, "base", -3);
+  step();
+  EXPECT_EQ(found_, Lines{"cloth/cable"});
+  EXPECT_FALSE(stamp_touches_);
+}
+
+// A cycle of the partner that is ahead of this one, or did not know both, begins nothing.
+TEST_F(StepsTest, APartnersLaterStampBeginsNothing) {
+  give(0, 50);
+  give(1, 50);
+  step();
+  give(1, 50.125);
+  step();
+  give(0, 50.0625);
+  step();
+  EXPECT_EQ(steps(), Lines{"50 of cloth: cloth/cable"});
 }
 
 // Nobody knows what happened in the step of a cycle whose states were lost, even if the state of a
@@ -85,8 +110,8 @@ TEST_F(StepsTest, AfterACycleThatCouldNotBePublishedTheStepBeginsWhereItsStepBeg
   said_.at_result = publish;
   give(1, 50.1875, "base", -2);
   step();
-  EXPECT_EQ(steps(), Lines{"50 of cable: cloth/cable"});
-  EXPECT_EQ(earlierZ(1), 1);
+  EXPECT_EQ(steps(), (Lines{"50 of cable:", "50.125 of: cloth/cable"}))
+      << "the cloth's cycle saw the cable above it";
   EXPECT_EQ(found_, Lines{"cloth/cable"});
 }
 
@@ -212,12 +237,12 @@ TEST_F(StepsTest, APartnerThatWasNotThereCostsItsPairsAlone) {
   parameters_.pair_classes = {false, true, true, false};
   give(0, 50);
   step();
-  give(1, 50.0625);
-  step();
+  give(1, 50.125);
   give(0, 50.125);
   step();
-  EXPECT_EQ(steps(), Lines{"50 of cloth: cloth/cloth cloth/cable (cable: not known in the previous "
-                           "cycle)"});
+  EXPECT_EQ(steps(), (Lines{"0 of cable: cable/cable (cable: its first cycle)",
+                            "50 of cloth: cloth/cloth cloth/cable (cable: not known in the "
+                            "previous cycle)"}));
   EXPECT_EQ(found_, Lines());
 }
 

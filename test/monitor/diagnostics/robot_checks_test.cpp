@@ -72,6 +72,13 @@ TEST(RobotChecksTest, ALinkAndAnObjectOfOneNameAreRefused) {
             "'foot' is the name of a link and of an object; rename the object");
 }
 
+TEST(RobotChecksTest, ALinkWithoutANameIsRefused) {
+  RobotGeometry geometry = robot();
+  geometry.links[0].link.clear();
+  EXPECT_EQ(refusal<std::runtime_error>([&] { checkRobot(geometry, MonitorParameters()); }),
+            "a link has no name");
+}
+
 TEST(RobotChecksTest, ALinkNamedAsAHeldPartIsRefused) {
   RobotGeometry geometry = robot();
   MonitorParameters parameters;

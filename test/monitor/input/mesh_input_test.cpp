@@ -406,7 +406,9 @@ TEST_F(MeshInputTest, WhatIsRejectedIsNoJump) {
 TEST_F(MeshInputTest, WhatIsTooOldIsRejectedUnlessThereIsBetter) {
   expectRejected(keyframe(49.7), "header.stamp is 0.550000 s old");
   EXPECT_NE(why_not_.find("max_mesh_age_s"), std::string::npos) << why_not_;
-  EXPECT_NE(why_not_.find("use_sim_time"), std::string::npos) << why_not_;
+  EXPECT_NE(why_not_.find("it came late"), std::string::npos) << why_not_;
+  EXPECT_EQ(give(keyframe(29), ros::Time(90)), Acceptance::kRejected);
+  EXPECT_NE(input_.counters().problem.find("use_sim_time"), std::string::npos);
   EXPECT_EQ(give(mesh(49.75)), Acceptance::kAccepted) << "max_age_s is closed";
   EXPECT_EQ(give(mesh(49.9), ros::Time(60)), Acceptance::kRejected);
   EXPECT_EQ(give(mesh(40), ros::Time()), Acceptance::kAccepted) << "without a clock nothing is";

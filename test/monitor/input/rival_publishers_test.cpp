@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <boost/make_shared.hpp>
+#include <cstdint>
 #include <limits>
 #include <string>
+#include <vector>
 
 namespace deformable_contact_monitor {
 namespace {
@@ -20,8 +22,10 @@ const std::string kBoth =
 class RivalPublishersTest : public ::testing::Test {
  protected:
   // A mesh at height `z` [m] from that node. Returns what is said then.
-  std::string send(const std::string& node, int ms, float z, bool is_deletion = false) {
+  std::string send(const std::string& node, int ms, float z, bool is_deletion = false,
+                   const std::vector<std::uint32_t>& triangles = {}) {
     const auto message = boost::make_shared<DeformableMesh>();
+    message->triangles = triangles;
     message->header.frame_id = "base";
     message->vertices = {0, 0, z, 1, 0, z, std::numeric_limits<float>::quiet_NaN(), 1, z};
     IncomingMesh mesh{message};
@@ -46,6 +50,16 @@ TEST_F(RivalPublishersTest, WhoSendsSomethingElseInTurnIsOne) {
   EXPECT_EQ(send("/a", 49, 1), kBoth);
   EXPECT_EQ(rivals_.describe(kStart + milliseconds(5049)), kBoth);
   EXPECT_EQ(rivals_.describe(kStart + milliseconds(5050)), "") << "it is over";
+}
+
+TEST_F(RivalPublishersTest, AlsoWithOtherTrianglesAlone) {
+  for (int i = 0; i < 3; ++i) {
+    send("/a", 33 * i, 0, false, {0, 1, 2});
+    EXPECT_EQ(send("/b", 33 * i + 9, 0), "") << "it leaves them out";
+  }
+  send("/b", 100, 0, false, {0, 2, 1});
+  send("/a", 110, 0, false, {0, 1, 2});
+  EXPECT_EQ(send("/b", 120, 0, false, {0, 2, 1}), kBoth);
 }
 
 TEST_F(RivalPublishersTest, AlsoAtDifferentRates) {

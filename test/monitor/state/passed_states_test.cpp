@@ -20,8 +20,8 @@ const std::string kNames[] = {"NONE", "NEAR", "CONTACT", "ALLOWED", "UNKNOWN", "
 // there was a contact in the step before; 'L' none at the stamp, and no step; 'X' as '-', the step
 // cut off.
 struct Feed {
-  explicit Feed(int on = 1, int off = 2, double tolerated_rejects = 0)
-      : tracker({on, off, 0.5, tolerated_rejects, 0}) {}
+  explicit Feed(int on = 1, int off = 2, double tolerated_rejects = 0, double since_survives_s = 0)
+      : tracker({on, off, 0.5, tolerated_rejects, since_survives_s}) {}
 
   void step(char c) {
     SampleStep sample;
@@ -126,6 +126,30 @@ TEST(PassedStatesTest, SinceCountsAnewBehindIt) {
   EXPECT_NEAR(feed.of(kHandCloth).since.toSec(), 0.1, 1e-9);
   feed.run("PPP");
   EXPECT_NEAR(feed.of(kHandCloth).since.toSec(), 0.2, 1e-9);
+}
+
+// Nobody knows what happened in a time without a step, however short its UNKNOWN was.
+TEST(PassedStatesTest, SinceCountsAnewWhereAStepIsMissing) {
+  Feed feed(1, 2, 0, 1);
+  feed.run("---L-");
+  EXPECT_NEAR(feed.of(kHandCloth).since.toSec(), 0, 1e-9) << "the step begins after the gap";
+  feed.run("-");
+  feed.tracker.expire(feed.stamp + ros::Duration(0.6), "no new mesh");
+  feed.run("L");
+  EXPECT_EQ(feed.of(kHandCloth).state, ContactState::NONE);
+  EXPECT_NEAR(feed.of(kHandCloth).since.toSec(), 0, 1e-9);
+  feed.run("-C");
+  feed.tracker.expire(feed.stamp + ros::Duration(0.6), "no new mesh");
+  feed.run("C");
+  EXPECT_NEAR(feed.of(kHandCloth).since.toSec(), 0.1, 1e-9) << "a contact says nothing of before";
+}
+
+TEST(PassedStatesTest, SinceGoesOnWhereAStepCoversTheUnknown) {
+  Feed feed(1, 2, 0, 1);
+  feed.run("---");
+  feed.tracker.expire(feed.stamp + ros::Duration(0.6), "no new mesh");
+  feed.run("-");
+  EXPECT_NEAR(feed.of(kHandCloth).since.toSec(), 0.3, 1e-9);
 }
 
 TEST(PassedStatesTest, AllowedStaysAllowed) {

@@ -89,6 +89,33 @@ class DetectContacts(Case):
                                    meshes[0], meshes[2])
         self.assertEqual(states[0, 1]["state"], "near")
 
+    def test_a_body_with_rejected_triangles_is_unknown_unless_it_touches(self):
+        """In ABOVE's place there may be a triangle of which a vertex is NaN."""
+        floor, pierce = self.mesh("floor.obj", FLOOR), self.mesh("pierce.obj", PIERCING)
+        hole = self.mesh("hole.obj", ABOVE + "v 0 0 nan\nf 1 2 4\n")
+        nothing = self.mesh("nothing.obj", "v 0 0 nan\nv 4 0 nan\nv 0 4 nan\nf 1 2 3\n")
+        clean = self.mesh("clean.obj", ABOVE.replace(" 2\n", " 20\n"))
+        for options in (["cpu", "--tolerance-m", ".5"], ["cpu", "--budget-ms", "1e5"],
+                        ["brute_force", "--tolerance-m", ".5"],
+                        ["cpu", "--budget-ms", "1e5", "--nearest", self.path("n")],
+                        ["cpu", "--tolerance-m", "2.5"]):
+            options = ["--backend", *options, "--margin", "2.25"]
+            for body in hole, nothing:
+                meshes = [floor, pierce, body, clean]
+                states, report, _ = self.states(*options, *meshes)
+                touches = body == hole and "2.5" in options
+                self.assertEqual(
+                    [states[pair]["state"] for pair in ((0, 1), (0, 2), (0, 3), (2, 3))],
+                    ["contact", "contact" if touches else "unknown", "none", "unknown"], options)
+                self.assertEqual((states[0, 2]["distance_low"], states[0, 2]["listed"]), (0, False))
+                self.assertEqual(report["rejected_triangles"], 1)
+                done = self.works(*options, *meshes)
+                self.assertNotIn("of pairs of bodies it is certain", done.stdout)
+                self.assertNotIn("inf apart", done.stdout)
+        done = self.works("--backend", "cpu", "--tolerance-m", ".5", floor, nothing)
+        self.assertRegex(done.stdout, r"nothing.obj: unknown, nothing is known of the distance\n")
+        self.assertIn("their bodies are unknown unless they touch", done.stdout)
+
     def test_backends_without_bounds_are_exact(self):
         meshes = [self.mesh("floor.obj", FLOOR), self.mesh("pierce.obj", PIERCING),
                   self.mesh("above.obj", ABOVE)]

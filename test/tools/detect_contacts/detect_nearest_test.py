@@ -142,6 +142,21 @@ class DetectNearest(Case):
         self.assertEqual(done.stdout, "0 0 1 0 2\n")
         self.assertIn("not complete, 1 triangles have a NaN", done.stderr)
 
+    def test_a_distance_of_a_body_with_rejected_triangles_is_an_upper_bound(self):
+        floor, clean = self.mesh("floor.obj", FLOOR), self.mesh("above.obj", ABOVE)
+        above = self.mesh("bad.obj", ABOVE + "v 0 0 nan\nf 1 2 4\n")
+        for options in (), ("--tolerance-m", "0.25"):
+            chosen = ["--backend", "cpu", "--nearest", self.path("n"), *options, "--margin"]
+            done = self.works(*chosen, "3", floor, above)
+            self.assertIn("bad.obj: at most 2", done.stdout)
+            self.assertIn("note: 1 distances of --nearest are upper bounds, because of triangles "
+                          "that took no part\n", done.stderr)
+            self.assertNotIn("too large", done.stderr)
+            self.assertEqual([n["exact"] for n in
+                              self.json(*chosen, "3", floor, above)["nearest"]], [False])
+            done = self.works(*chosen, "1", floor, above, clean)
+            self.assertIn("note: 1 pairs of bodies are not decided", done.stderr)
+
     def test_refuses(self):
         floor, _, above, _ = self.hand_made()
         meshes = [floor, above]

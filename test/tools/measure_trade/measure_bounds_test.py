@@ -142,6 +142,51 @@ class Bounds(Case):
         else:
             self.assertRegex(done.stderr, r"\Ameasure_trade: [^\n]*CUDA[^\n]*\n\Z")
 
+    def test_rejected_triangles_leave_their_bodies_unknown(self):
+        """Of the cloth, one triangle has a NaN vertex; the floor and the post are whole."""
+        scene = self.scene()
+        for state in scene[:4]:
+            with open(state, "a") as file:
+                file.write("v 0 0 nan\nf 1 2 170\n")
+        done = self.works("--tolerance", "--tolerances-m", "0,0.001", "--budgets-ms", "0,1000",
+                          "--overlaps", "0,1", "--cycles", "8", *scene)
+        for row in self.table("bounds.csv"):
+            self.assertEqual((row["pairs"], row["contacts"]), ("24", "10"), row)
+            # Only contacts are certain.
+            found = round(float(row["recall"]) * 10 / float(row["precision"]))
+            self.assertAlmostEqual(float(row["decided_share"]), found / 24, places=5)
+            self.assertEqual(row["missed"], "0")
+        self.assertIn("\nNo setting decides all pairs\n", done.stdout)
+        self.assertIn("note: 4 triangles, over all frames, have a NaN or infinite vertex and took "
+                      "no part", done.stderr)
+        self.assertEqual(self.summary()["rejected_triangles"], 4)
+
+    def test_no_contact_at_all_is_said_and_no_false_claim_is_chosen(self):
+        done = self.works("--tolerance", "--tolerances-m", "0.1", "--budgets-ms", "0", "--overlaps",
+                          "1", "--cycles", "4", self.mesh("cloth.obj", cloth(0.4, 40)), "--against",
+                          self.mesh("below.obj", cloth(0.39, 40)), "--write-config", "chosen.yaml")
+        exact, bounded = self.table("bounds.csv")
+        self.assertEqual(bounded["precision"], "0")
+        self.assertLess(float(bounded["median_ms"]), float(exact["median_ms"]), "it is tempting")
+        self.assertIn("note: no frame has a contact, so recall says nothing\n", done.stderr)
+        self.assertIn("\nChosen: exact\n", done.stdout)
+        self.works("--tolerance", "--tolerances-m", "0.1", "--budgets-ms", "0", "--cycles", "4",
+                   self.path("cloth.obj"), "--against", self.path("below.obj"), "--budget-ms",
+                   "0.000001", "--write-config", "other.yaml")
+        with open(self.path("other.yaml")) as file:
+            self.assertEqual(yaml.safe_load(file)["tolerance_m"], 0, "only false claims have more")
+
+    def test_exact_detection_is_preferred_to_tolerance_zero_with_a_budget(self):
+        for _ in range(3):
+            budgets = ",".join(str(60000 - i) for i in range(30))  # one of them is the fastest
+            done = self.works("--tolerance", "--tolerances-m", "0", "--budgets-ms", budgets,
+                              "--overlaps", "1", "--cycles", "4", *self.scene())
+            self.assertIn("\nChosen: exact\n", done.stdout)
+
+    def test_one_body_alone_is_refused(self):
+        self.assert_refused(["--tolerance", "--self", self.mesh("cloth.obj", cloth(0))],
+                            "--tolerance", "--against")
+
     def test_refusals(self):
         scene = self.scene()
         for option, value in (("--tolerances-m", "-1"), ("--tolerances-m", "2"),

@@ -3,7 +3,7 @@
 $MEASURE_TRADE."""
 import unittest
 
-from trade_case import Case
+from trade_case import ABOVE, Case, FLOOR
 
 
 class Margins(Case):
@@ -42,6 +42,13 @@ class Margins(Case):
         self.assertRegex(done.stdout, r"\AMeans of a cycle, on 1 thread:\n  cpu, touching +median")
         self.assertRegex(done.stdout, r"\n  cpu, nearest, margin 0.5 m +median +[\d.]+ ms, p99")
         self.assertEqual(done.stderr, "")
+
+    def test_rejected_triangles_are_said(self):
+        states = [self.mesh("%d.obj" % i, ABOVE + "v 0 0 nan\nf 1 2 4\n") for i in range(3)]
+        done = self.works(*self.OPTIONS, *states, "--against", self.mesh("floor.obj", FLOOR))
+        self.assertIn("note: 3 triangles, over all frames, have a NaN or infinite vertex and took "
+                      "no part", done.stderr)
+        self.assertEqual(self.summary()["rejected_triangles"], 3)
 
     def test_refuses(self):
         scene = self.scene()

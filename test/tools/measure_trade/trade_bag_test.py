@@ -58,6 +58,16 @@ class TradeBag(unittest.TestCase):
         self.assertEqual({recalls["1", clusters] for clusters in ("0", "64")}, {1.0})
         self.assertLess(recalls["0", "64"], 1)
 
+    def test_bodies_with_themselves_have_no_tolerance(self):
+        with open(self.path("config.yaml"), "a") as file:
+            file.write("pair_classes: [deformable_self]\n")
+        done = self.run_tool("--tolerance", "--bag",
+                             write_bag(self.path("panda.bag"), self.scene.events()), "--config",
+                             self.path("config.yaml"), "--cycles", "1", "--warm-up", "0")
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
+        self.assertIn("measure_trade: --tolerance: no frame has an enabled pair of two bodies",
+                      done.stderr)
+
     def test_what_is_not_looked_at_is_said(self):
         events = [e for e in self.scene.events() if e[1] != "/tf" or e[0] < stamp_of(9.5)]
         done = self.run_tool("--bag", write_bag(self.path("half.bag"), events), "--config",

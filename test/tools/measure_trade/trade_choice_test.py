@@ -30,6 +30,14 @@ class TradeChoice(Case):
         self.assertIn("No setting of these is guaranteed. The fastest: cpu, fast, ", done.stdout)
 
 
+    def test_a_guarantee_leaves_out_triangles_that_took_no_part(self):
+        states = [self.mesh(f"{i}.obj", cloth(0.05) + "v 0 0 nan\nf 1 2 170\n") for i in range(2)]
+        done = self.works(*states, "--against", self.mesh("floor.obj", FLOOR), *quick())
+        self.assertIn("note: 2 triangles, over all frames, have a NaN or infinite vertex and took "
+                      "no part", done.stderr)
+        self.assertIn("guaranteed to miss none of the triangles that took part\n", done.stdout)
+        self.assertEqual(self.summary()["rejected_triangles"], 2)
+
     def test_config(self):
         """Names and values that the node knows; its own parser reads it in trade_config_test."""
         known = re.findall(r"^([a-z_]+):", PARAMETERS.read_text(), re.MULTILINE)
