@@ -40,7 +40,8 @@ struct ReaderRules {
   // infinity: a NEAR pair never does.
   double clearance_m = std::numeric_limits<double>::infinity();
   // True: a body that is in no state may move, if the message has states and the monitor knows the
-  // robot's links. False: nothing is known of such a body.
+  // robot's links. But a part ("cloth:hem") may not if its body is in some state, nor may a body
+  // without a name. False: nothing is known of such a body.
   bool unlisted_may_move = false;
 };
 
@@ -286,13 +287,17 @@ class ContactReader {
   }
 
   // Returns whether a body that is in no state may move. An empty list says nothing, and before the
-  // monitor knows the robot's links, it has a body "robot" in their place, which is UNKNOWN.
+  // monitor knows the robot's links, it has a body "robot" in their place, which is UNKNOWN. A part
+  // that is not listed may be what touches in the states of its body.
   bool unlistedMayMove(const std::string& body) const {
-    if (!rules_.unlisted_may_move || body == "*" || newest_.states.empty()) return false;
-    return std::none_of(newest_.states.begin(), newest_.states.end(),
-                        [](const ContactState& state) {
-                          return state.state == ContactState::UNKNOWN && concerns(state, "robot");
-                        });
+    if (!rules_.unlisted_may_move || body.empty() || body == "*") return false;
+    const std::string whole = body.substr(0, body.find(':'));
+    const auto forbids = [&](const ContactState& state) {
+      return (state.state == ContactState::UNKNOWN && concerns(state, "robot")) ||
+             concerns(state, whole);
+    };
+    return !newest_.states.empty() &&
+           std::none_of(newest_.states.begin(), newest_.states.end(), forbids);
   }
 
   // Returns why something about the body is not known; empty if all is.
@@ -325,7 +330,7 @@ class ContactReader {
       if (++count > kMostNames) break;
       listed += (count == 1 ? "; there are " : ", ") + name;
     }
-    return body + " is in no state" + listed + (names.size() > kMostNames ? ", ..." : "");
+    return (body.empty() ? "''" : body) + " is in no state" + listed + (names.size() > kMostNames ? ", ..." : "");
   }
 
   // Returns why a known state forbids its bodies to move; empty if it does not.

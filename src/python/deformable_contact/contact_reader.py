@@ -252,9 +252,11 @@ class ContactReader:
 
     def _unlisted_may_move(self, body):
         """An empty list says nothing, and before the monitor knows the robot's links, it has a body
-        "robot" in their place, which is UNKNOWN."""
-        return (self.unlisted_may_move and body != "*" and len(self.newest.states) > 0 and
-                all(state.state != UNKNOWN for state in self._states_of("robot")))
+        "robot" in their place, which is UNKNOWN. A part that is not listed may be what touches in the
+        states of its body."""
+        return (self.unlisted_may_move and body not in ("", "*") and len(self.newest.states) > 0 and
+                all(state.state != UNKNOWN for state in self._states_of("robot")) and
+                not self._states_of(body.split(":")[0]))
 
     def _states_of(self, body):
         return [state for state in self.newest.states
@@ -411,7 +413,7 @@ def _missing(body, states):
         return "no pair is monitored"
     names = sorted({name for state in states for name in (state.body_a, state.body_b)})
     listed = "; there are " + ", ".join(names[:_MOST_NAMES]) if names else ""
-    return body + " is in no state" + listed + (", ..." if len(names) > _MOST_NAMES else "")
+    return (body or "''") + " is in no state" + listed + (", ..." if len(names) > _MOST_NAMES else "")
 
 
 def _seconds(a, b):

@@ -99,6 +99,31 @@ class EvaluateBags(FleetCase):
             self.assertEqual(file.read().count("attempt"), 3)
         self.assertIn("bad.bag: crashed: ", out)
 
+    def test_what_cannot_be_judged_now_costs_no_earlier_result(self):
+        """First no job can start, as on a worker that does not see the package; then a bag is away."""
+        os.mkdir(self.path("store"))
+        self.bag("store/one.bag")
+        self.bag("bags/two.bag")
+        os.symlink(self.path("store/one.bag"), self.path("bags/one.bag"))
+        self.fake_tool("none) ;;")
+        self.run_fleet("fleet", "--no-report", code=0)
+        done = self.records()
+        self.assertEqual(len(done), 2)
+        script = self.path("tools/fleet_job.py")
+        os.rename(script, script + ".away")
+        fleet = self.run_fleet("fleet", "--no-report", code=2)
+        self.assertEqual(set(self.states(fleet).values()), {"crashed"})
+        self.assertEqual(self.records(), {}, "it may be out of date")
+        os.rename(script + ".away", script)
+        os.rename(self.path("store"), self.path("away"))
+        fleet = self.run_fleet("fleet", "--no-report", code=2)
+        self.assertEqual(self.states(fleet), {"one.bag": "refused", "two.bag": "passed"})
+        self.assertEqual(fleet["were_there"], 1)
+        os.rename(self.path("away"), self.path("store"))
+        fleet = self.run_fleet("fleet", "--no-report", code=0)
+        self.assertEqual(fleet["were_there"], 2)
+        self.assertEqual(self.records(), done)
+
     def assert_usage(self, *words, **change):
         options = self.options("fleet", *change.get("more", ()))
         options["args"][1:2] = change.get("bags", [self.path("bags")])

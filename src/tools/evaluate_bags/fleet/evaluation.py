@@ -15,6 +15,7 @@ from fleet.pair_hashes import write_pair_hashes
 
 POLL_S = 0.2
 RECORD = "job.json"
+KEPT = "kept"  # folder of results of which a run could not tell whether they hold
 PASSED, BROKEN, UNUSABLE, REFUSED = "passed", "broken", "unusable", "refused"
 
 
@@ -46,6 +47,7 @@ class Evaluation:
         self.job = job
         self.parent = os.getppid()
         self.final = os.path.join(job["out"], "bags", job["name"])
+        self.kept = os.path.join(job["out"], KEPT, job["name"])
         self.attempt = None  # folder
 
     def run(self):
@@ -71,8 +73,17 @@ class Evaluation:
             raise Stopped("stopped")
 
     def _earlier(self, identity):
+        record = self._holding(self.final, identity)
+        if record is None:
+            record = self._holding(self.kept, identity)
+            if record is not None:
+                self._publish(self.kept)
+        return record
+
+    def _holding(self, folder, identity):
+        """Returns the record of the result in the folder; None: it does not hold, or is not there."""
         try:
-            with open(os.path.join(self.final, RECORD)) as file:
+            with open(os.path.join(folder, RECORD)) as file:
                 record = json.load(file)
             same = (record["identity"] == identity
                     and are_same_meshes(record["meshes"], self._go_on))
@@ -102,7 +113,8 @@ class Evaluation:
             record["message"] = summary["verdict"]
         with open(os.path.join(self.attempt, RECORD), "w") as file:
             json.dump(record, file, indent=1, sort_keys=True)
-        self._publish()
+        self._publish(self.attempt)
+        shutil.rmtree(self.kept, ignore_errors=True)
         return record
 
     def _run_tool(self):
@@ -137,10 +149,10 @@ class Evaluation:
             raise Crashed(f"evaluate_bag ended with {code}: {last}")
         return code, last
 
-    def _publish(self):
+    def _publish(self, folder):
         """Replaces an earlier result, which stays until the new one is complete."""
         os.makedirs(os.path.dirname(self.final), exist_ok=True)
         if os.path.isdir(self.final):
             os.rename(self.final, tempfile.mkdtemp(prefix=self.job["run"] + "-old-",
                                                    dir=self.job["attempts"]))
-        os.rename(self.attempt, self.final)
+        os.rename(folder, self.final)

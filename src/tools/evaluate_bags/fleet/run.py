@@ -10,7 +10,7 @@ import uuid
 
 from fleet import dask_run, machine
 from fleet.changes import read_summary
-from fleet.evaluation import REFUSED, size_of
+from fleet.evaluation import KEPT, REFUSED, size_of
 from fleet.identity import VARIABLES
 from fleet.progress import Progress
 from fleet.tables import CRASHED, TABLES
@@ -69,6 +69,15 @@ class Run:
             os.rename(os.path.join(self.out, "bags", name),
                       tempfile.mkdtemp(prefix="forgotten-", dir=self.attempts))
 
+    def _set_aside(self, name):
+        """Moves an earlier result away, because nobody found out whether it still holds. A later
+        job that does brings it back."""
+        result, kept = (os.path.join(self.out, folder, name) for folder in ("bags", KEPT))
+        if os.path.isdir(result):
+            shutil.rmtree(kept, ignore_errors=True)
+            os.makedirs(os.path.dirname(kept), exist_ok=True)
+            os.rename(result, kept)
+
     def _has_attempts(self):
         return any(name.startswith(self.id + "-") for name in os.listdir(self.attempts))
 
@@ -92,10 +101,12 @@ class Run:
             records[name] = json.loads(text) if failure is None else {
                 "name": name, "bag": job["bag"], "state": CRASHED, "message": failure}
             record, cycles = records[name], 0
-            if record["state"] in (REFUSED, CRASHED):
-                self._forget(name)
-            else:
+            if record["state"] not in (REFUSED, CRASHED):
                 cycles = read_summary(os.path.join(self.out, "bags", name))["cycles"]
+            elif record["state"] == CRASHED or not os.path.exists(job["bag"]):
+                self._set_aside(name)
+            else:
+                self._forget(name)
             progress.add(sizes[name], cycles, record.get("was_there", False))
 
         client = dask_run.connect(address)
