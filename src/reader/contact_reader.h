@@ -330,7 +330,8 @@ class ContactReader {
       if (++count > kMostNames) break;
       listed += (count == 1 ? "; there are " : ", ") + name;
     }
-    return (body.empty() ? "''" : body) + " is in no state" + listed + (names.size() > kMostNames ? ", ..." : "");
+    return (body.empty() ? "''" : body) + " is in no state" + listed +
+           (names.size() > kMostNames ? ", ..." : "");
   }
 
   // Returns why a known state forbids its bodies to move; empty if it does not.
