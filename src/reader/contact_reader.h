@@ -77,7 +77,8 @@ struct NearestAnswer {
 
 // Returns a distance [m], >= 0, below which the pair certainly is not. Returns 0 if the pair
 // touches or nothing is known; infinity if it is ALLOWED, or NONE without a distance, because then
-// nothing is within the monitor's margin. `tolerance_m` is that of the message.
+// nothing is within the monitor's margin. `tolerance_m` is that of the message. A malformed message
+// adds no distance: never more than min_separation is returned, and 0 if `tolerance_m` is NaN.
 inline double certainDistance(const ContactState& state, double tolerance_m) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double separation = state.min_separation;
@@ -86,8 +87,10 @@ inline double certainDistance(const ContactState& state, double tolerance_m) {
   if (state.state != ContactState::NONE && state.state != ContactState::NEAR) return 0;
   if (std::isnan(separation)) return 0;
   if (state.state == ContactState::NEAR && std::isinf(separation)) return 0;
-  if (low > 0 && std::isfinite(low)) return low;
-  return std::max(0.0, separation - tolerance_m);
+  if (low > 0 && std::isfinite(low)) return std::max(0.0, std::min(low, separation));
+  // If the tolerance is NaN, the inner call returns NaN and the outer one 0. Both depend on the
+  // order of their arguments.
+  return std::max(0.0, separation - std::max(tolerance_m, 0.0));
 }
 
 // Keeps the newest states and answers questions about them. A body is named as in the monitor's
@@ -259,7 +262,9 @@ class ContactReader {
     const bool is_apart = state.state == ContactState::NONE || state.state == ContactState::NEAR;
     const bool is_number = state.state == ContactState::NEAR ? std::isfinite(state.min_separation)
                                                              : !std::isnan(state.min_separation);
-    return is_apart && !is_number ? "its distance is no number" : "";
+    if (is_apart && !is_number) return "its distance is no number";
+    const bool is_below_0 = state.state == ContactState::NONE && state.min_separation < 0;
+    return is_below_0 ? "its distance is below 0" : "";
   }
 
   // Returns "CONTACT" or "PASSED" if the state is one of these; else empty.
@@ -290,8 +295,8 @@ class ContactReader {
   // monitor knows the robot's links, it has a body "robot" in their place, which is UNKNOWN. A part
   // that is not listed may be what touches in the states of its body.
   bool unlistedMayMove(const std::string& body) const {
-    if (!rules_.unlisted_may_move || body.empty() || body == "*") return false;
     const std::string whole = body.substr(0, body.find(':'));
+    if (!rules_.unlisted_may_move || whole.empty() || whole == "*") return false;
     const auto forbids = [&](const ContactState& state) {
       return (state.state == ContactState::UNKNOWN && concerns(state, "robot")) ||
              concerns(state, whole);

@@ -150,7 +150,8 @@ TEST(ContactReaderTest, answersAsTheTableSays) {
 
 TEST(ContactReaderTest, distancesAreCertainAsTheTableSays) {
   for (const Json& given : table("distances")) {
-    const double distance = certainDistance(stateOf(given, {}), given.value("tolerance", 0.0));
+    const double tolerance_m = numberOf(given.value("tolerance", Json(0.0)));
+    const double distance = certainDistance(stateOf(given, {}), tolerance_m);
     EXPECT_EQ(distance, numberOf(given.at("distance"))) << given.dump();
   }
 }

@@ -82,7 +82,8 @@ class Answers(unittest.TestCase):
     def test_distances(self):
         for given in TABLE["distances"]:
             state = state_of(given, ContactStates())
-            self.assertEqual(contact_reader.certain_distance(state, given.get("tolerance", 0)),
+            tolerance_m = float(given.get("tolerance", 0))
+            self.assertEqual(contact_reader.certain_distance(state, tolerance_m),
                              float(given["distance"]), given)
 
     def test_bad_rules_are_refused(self):

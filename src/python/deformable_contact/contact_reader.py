@@ -72,7 +72,8 @@ class NearestAnswer(float):
 def certain_distance(state, tolerance_m):
     """The distance of a pair [m] that is certain, >= 0; 0 where it touches, or nothing is known;
     infinity where the pair is ALLOWED, and of NONE: nothing is within the monitor's margin.
-    tolerance_m: of the message."""
+    tolerance_m: of the message. A malformed message adds no distance: never more than
+    min_separation is returned, and 0 if tolerance_m is NaN."""
     separation, low = state.min_separation, state.distance_low
     if state.state == ALLOWED:
         return math.inf
@@ -81,8 +82,10 @@ def certain_distance(state, tolerance_m):
     if state.state == NEAR and math.isinf(separation):
         return 0.0
     if low > 0 and math.isfinite(low):
-        return low
-    return max(0.0, separation - tolerance_m)
+        return max(0.0, min(low, separation))
+    # If the tolerance is NaN, the inner call returns NaN and the outer one 0. Both depend on the
+    # order of their arguments.
+    return max(0.0, separation - max(tolerance_m, 0.0))
 
 
 def _is_of(name, body):
@@ -139,7 +142,8 @@ class ContactReader:
     clearance_m: [m] >= 0. A NEAR pair lets its bodies move while it is certainly farther apart than
     this; infinity: never.
     unlisted_may_move: whether a body that is in no state may move, if the message has states and the
-        monitor knows the robot's links; else nothing is known of it.
+        monitor knows the robot's links; else nothing is known of it. A part ("cloth:hem") may not
+        if its body is in some state, nor may a body without a name.
     """
 
     def __init__(self, max_age_s=0.5, clearance_m=math.inf, unlisted_may_move=False):
@@ -252,11 +256,12 @@ class ContactReader:
 
     def _unlisted_may_move(self, body):
         """An empty list says nothing, and before the monitor knows the robot's links, it has a body
-        "robot" in their place, which is UNKNOWN. A part that is not listed may be what touches in the
-        states of its body."""
-        return (self.unlisted_may_move and body not in ("", "*") and len(self.newest.states) > 0 and
-                all(state.state != UNKNOWN for state in self._states_of("robot")) and
-                not self._states_of(body.split(":")[0]))
+        "robot" in their place, which is UNKNOWN. A part that is not listed may be what touches in
+        the states of its body."""
+        whole = body.split(":")[0]
+        return (self.unlisted_may_move and whole not in ("", "*") and len(self.newest.states) > 0
+                and all(state.state != UNKNOWN for state in self._states_of("robot"))
+                and not self._states_of(whole))
 
     def _states_of(self, body):
         return [state for state in self.newest.states
@@ -297,7 +302,10 @@ class ContactReader:
             return "its state is stamped %.3f s ahead" % -age_s
         no_number = (state.state == NEAR and not math.isfinite(state.min_separation) or
                      state.state == NONE and math.isnan(state.min_separation))
-        return "its distance is no number" if no_number else ""
+        if no_number:
+            return "its distance is no number"
+        is_below_0 = state.state == NONE and state.min_separation < 0
+        return "its distance is below 0" if is_below_0 else ""
 
     def _obstacle(self, state):
         """Why a state that is known lets its bodies not move; empty: it does."""
@@ -413,7 +421,8 @@ def _missing(body, states):
         return "no pair is monitored"
     names = sorted({name for state in states for name in (state.body_a, state.body_b)})
     listed = "; there are " + ", ".join(names[:_MOST_NAMES]) if names else ""
-    return (body or "''") + " is in no state" + listed + (", ..." if len(names) > _MOST_NAMES else "")
+    more = ", ..." if len(names) > _MOST_NAMES else ""
+    return (body or "''") + " is in no state" + listed + more
 
 
 def _seconds(a, b):

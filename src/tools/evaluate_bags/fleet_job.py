@@ -14,8 +14,12 @@ def main():
         os.chdir(job["folder"])
         os.environ.update(job["environment"])
         print(json.dumps(Evaluation(job).run()))
-    except (Crashed, Stopped, OSError) as error:
+    except (Crashed, Stopped) as error:
         sys.exit(f"fleet_job.py: {error}")
+    except OSError as error:
+        # That of a full disk names no file; what a job writes is below this folder.
+        where = "" if error.filename else job["out"] + ": "
+        sys.exit(f"fleet_job.py: {where}{error}")
 
 
 if __name__ == "__main__":

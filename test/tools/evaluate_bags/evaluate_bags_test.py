@@ -1,16 +1,19 @@
 #!/usr/bin/env python3
 """evaluate_bags as its users see it: the tables of single runs, workers that die, going on."""
 import contextlib
+import errno
 import glob
 import io
+import json
 import os
 import re
+import runpy
 import signal
 import subprocess
 from unittest import mock
 
 from fleet_case import (
-    CUT, EXPECTATIONS, FAR, FLEET_TOOL, TOOL, WHOLE, FleetCase, main, processes)
+    CONFIG, CUT, EXPECTATIONS, FAR, FLEET_TOOL, TOOL, WHOLE, FleetCase, main, processes)
 
 
 class EvaluateBags(FleetCase):
@@ -100,7 +103,8 @@ class EvaluateBags(FleetCase):
         self.assertIn("bad.bag: crashed: ", out)
 
     def test_what_cannot_be_judged_now_costs_no_earlier_result(self):
-        """First no job can start, as on a worker that does not see the package; then a bag is away."""
+        """First no job can start, as on a worker that does not see the package; then a bag is away;
+        then the configuration is wrong."""
         os.mkdir(self.path("store"))
         self.bag("store/one.bag")
         self.bag("bags/two.bag")
@@ -113,16 +117,74 @@ class EvaluateBags(FleetCase):
         os.rename(script, script + ".away")
         fleet = self.run_fleet("fleet", "--no-report", code=2)
         self.assertEqual(set(self.states(fleet).values()), {"crashed"})
+        self.assert_kept(fleet, "one.bag", "two.bag")
         self.assertEqual(self.records(), {}, "it may be out of date")
         os.rename(script + ".away", script)
         os.rename(self.path("store"), self.path("away"))
         fleet = self.run_fleet("fleet", "--no-report", code=2)
         self.assertEqual(self.states(fleet), {"one.bag": "refused", "two.bag": "passed"})
         self.assertEqual(fleet["were_there"], 1)
+        self.assert_kept(fleet, "one.bag")
         os.rename(self.path("away"), self.path("store"))
+        self.text("config.yaml", "[")
+        fleet = self.run_fleet("fleet", "--no-report", code=2)
+        self.assertEqual(set(self.states(fleet).values()), {"refused"})
+        self.assert_kept(fleet, "one.bag", "two.bag")
+        self.assertEqual(self.records(), {}, "it is out of date")
+        self.text("config.yaml", CONFIG)
         fleet = self.run_fleet("fleet", "--no-report", code=0)
         self.assertEqual(fleet["were_there"], 2)
         self.assertEqual(self.records(), done)
+
+    def assert_kept(self, fleet, *names):
+        self.assertEqual([bag["bag"] for bag in fleet["bags"]
+                          if bag["message"].endswith("; an earlier result is in kept/")], [*names])
+
+    def test_a_report_that_could_not_be_drawn_is_drawn_by_the_next_run(self):
+        """evaluate_bag draws none, as on a full disk, and neither does the script at first."""
+        self.bag("bags/one.bag")
+        self.fake_tool(f'*.bag) exec {TOOL} "$@" --no-report;;')
+        script = self.path("tools/evaluation_report.py")
+        drawn = self.path("fleet/bags/one.bag/report.html")
+        os.rename(script, script + ".whole")
+        self.text("tools/evaluation_report.py", "#!/bin/sh\necho a disk is full >&2\nexit 1\n")
+        os.chmod(script, 0o755)
+        warning = "no report.html: a disk is full"
+        for were_there in (0, 1):
+            code, out, errors = self.call_tool(self.options("fleet")["args"][1:])
+            self.assertEqual(code, 0, out + errors)
+            fleet = self.fleet("fleet")
+            self.assertEqual((fleet["bags"][0]["state"], fleet["bags"][0]["warning"],
+                              fleet["were_there"]), ("passed", warning, were_there))
+            self.assertIn(f"one.bag: {warning}\n", out)
+            with open(self.path("fleet/index.html")) as file:
+                self.assertIn(warning, file.read())
+            self.assertFalse(os.path.exists(drawn))
+        done = self.records()
+        os.rename(script + ".whole", script)
+        fleet = self.run_fleet("fleet", code=0)
+        self.assertEqual((fleet["bags"][0]["warning"], fleet["were_there"]), ("", 1))
+        self.assertEqual(self.records(), done)
+        self.assertTrue(os.path.exists(drawn))
+
+    def test_what_cannot_be_written_is_named(self):
+        """First a table of the fleet, then what a job writes."""
+        self.bag("bags/one.bag")
+        full = OSError(errno.ENOSPC, "No space left on device")
+        options = self.options("fleet", "--no-report")["args"][1:]
+        self.call_tool(options)  # also imports what is replaced below
+        with mock.patch("fleet.tables.write_whole", side_effect=full):
+            code, _, errors = self.call_tool(options)
+        self.assertEqual(code, 2, errors)
+        self.assertIn("No space left on device: '" + self.path("fleet/fleet.csv'"),
+                      errors.splitlines()[-1])
+        job = {"folder": os.getcwd(), "environment": {}, "out": self.path("fleet")}
+        with mock.patch("fleet.evaluation.Evaluation", side_effect=full), \
+                mock.patch("sys.argv", ["fleet_job.py", json.dumps(job)]), \
+                self.assertRaises(SystemExit) as ended:
+            runpy.run_path(os.path.join(os.path.dirname(FLEET_TOOL), "fleet_job.py"),
+                           run_name="__main__")
+        self.assertEqual(ended.exception.code, f'fleet_job.py: {self.path("fleet")}: {full}')
 
     def assert_usage(self, *words, **change):
         options = self.options("fleet", *change.get("more", ()))

@@ -58,11 +58,14 @@ class Evaluation:
                                self._go_on)
         record = self._earlier(identity)
         if record:
-            return dict(record, bag=self.job["bag"], was_there=True)
+            return dict(record, bag=self.job["bag"], was_there=True, warning=self._draw_missing())
         self.attempt = tempfile.mkdtemp(prefix=self.job["run"] + "-", dir=self.job["attempts"])
         os.chmod(self.attempt, 0o755)
         try:
-            return dict(self._evaluate(identity), was_there=False)
+            record = dict(self._evaluate(identity), was_there=False)
+            if record["state"] != REFUSED:
+                record["warning"] = self._draw_missing()
+            return record
         finally:
             shutil.rmtree(self.attempt, ignore_errors=True)
 
@@ -81,7 +84,7 @@ class Evaluation:
         return record
 
     def _holding(self, folder, identity):
-        """Returns the record of the result in the folder; None: it does not hold, or is not there."""
+        """Returns the record of the result in the folder; None if none is there that holds."""
         try:
             with open(os.path.join(folder, RECORD)) as file:
                 record = json.load(file)
@@ -93,7 +96,7 @@ class Evaluation:
 
     def _evaluate(self, identity):
         started = time.monotonic()
-        code, last_line = self._run_tool()
+        code, last_line = self._evaluate_bag()
         record = {"name": self.job["name"], "bag": self.job["bag"], "message": last_line,
                   "machine": socket.gethostname(), "seconds": time.monotonic() - started,
                   "bytes": size_of(self.job["bag"])}
@@ -117,17 +120,38 @@ class Evaluation:
         shutil.rmtree(self.kept, ignore_errors=True)
         return record
 
-    def _run_tool(self):
+    def _draw_missing(self):
+        """Draws the result's report if it is asked for and missing. Returns why it cannot be drawn,
+        else ""."""
+        if "--no-report" in self.job["arguments"] \
+                or os.path.exists(os.path.join(self.final, "report.html")):
+            return ""
+        script = os.path.join(os.path.dirname(self.job["tool"]), "evaluation_report.py")
+        try:
+            code, last_line = self._run_tool([script, self.final])
+        except OSError as error:
+            code, last_line = None, str(error)
+        return f"no report.html: {last_line}" if code != 0 else ""
+
+    def _evaluate_bag(self):
         """Returns evaluate_bag's exit code and its last line on standard error."""
         arguments = [*self.job["arguments"], "--out", self.attempt]
         if "--pairs" not in arguments:
             arguments.append("--pairs")
         if self.job["threads"] is not None:
             arguments += ["--threads", str(self.job["threads"])]
+        code, last = self._run_tool([self.job["tool"], self.job["bag"], *arguments])
+        # The folder of the attempt will be gone.
+        last = last.replace(self.attempt, self.final)
+        if code not in (0, 1, 2):
+            raise Crashed(f"evaluate_bag ended with {code}: {last}")
+        return code, last
+
+    def _run_tool(self, command):
+        """Returns the exit code and the last line on standard error."""
         with tempfile.TemporaryFile() as errors:
-            # evaluate_bag gets its own session, so that everything it starts can be ended with it.
-            tool = subprocess.Popen([self.job["tool"], self.job["bag"], *arguments],
-                                    stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            # The tool gets its own session, so that everything it starts can be ended with it.
+            tool = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                                     stderr=errors,
                                     preexec_fn=_die_with_parent, start_new_session=True)
             try:
@@ -143,11 +167,7 @@ class Evaluation:
                     tool.wait()
             errors.seek(0)
             lines = errors.read().decode(errors="replace").splitlines()
-        # The folder of the attempt will be gone.
-        last = lines[-1].replace(self.attempt, self.final) if lines else ""
-        if code not in (0, 1, 2):
-            raise Crashed(f"evaluate_bag ended with {code}: {last}")
-        return code, last
+        return code, lines[-1] if lines else ""
 
     def _publish(self, folder):
         """Replaces an earlier result, which stays until the new one is complete."""

@@ -59,6 +59,8 @@ def print_fleet(fleet, out):
     for bag in fleet["bags"]:
         if bag["state"] != PASSED:
             print(f'{bag["bag"]}: {bag["state"]}: {bag["message"]}')
+        if bag["warning"]:
+            print(f'{bag["bag"]}: {bag["warning"]}')
         for e in bag["expectations"]:
             if not e["holds"]:
                 print(f'  FAILS: {e["text"]} ({e["failure"]})')

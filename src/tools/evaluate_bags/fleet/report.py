@@ -1,9 +1,10 @@
 """Writes index.html, the results of all bags for people. The page is index.html.jinja."""
 import os
 
-from evaluation_report import plt, template, write_whole
+from evaluation_report import plt, template
 from fleet.evaluation import PASSED
 from fleet.latency import Latency
+from fleet.tables import write_file
 
 MOST_OPEN = 40  # rows of a table that are not folded
 MOST_CHANGES = 500
@@ -39,4 +40,4 @@ def write_report(out, fleet):
         matrix=sorted((bag for bag in bags if bag["folder"]), key=lambda bag: bag["is_kept"]),
         with_baseline=fleet["baseline"] is not None, changes=changes[:MOST_CHANGES],
         more_changes=len(changes) - MOST_CHANGES)
-    write_whole(os.path.join(out, "index.html"), page.encode(errors="replace"))
+    write_file(os.path.join(out, "index.html"), page.encode(errors="replace"))

@@ -4,7 +4,6 @@ import fcntl
 import json
 import os
 import shutil
-import tempfile
 import time
 import uuid
 
@@ -63,20 +62,16 @@ class Run:
         while self._has_attempts() and time.monotonic() < ends:
             time.sleep(.1)
 
-    def _forget(self, name):
-        """Removes an earlier result: it belongs to another bag or configuration."""
-        with contextlib.suppress(FileNotFoundError):
-            os.rename(os.path.join(self.out, "bags", name),
-                      tempfile.mkdtemp(prefix="forgotten-", dir=self.attempts))
-
     def _set_aside(self, name):
-        """Moves an earlier result away, because nobody found out whether it still holds. A later
-        job that does brings it back."""
+        """Moves an earlier result away, because this run cannot tell whether it still holds. A
+        later job of the same identity brings it back. Returns whether there is an earlier result.
+        """
         result, kept = (os.path.join(self.out, folder, name) for folder in ("bags", KEPT))
         if os.path.isdir(result):
             shutil.rmtree(kept, ignore_errors=True)
             os.makedirs(os.path.dirname(kept), exist_ok=True)
             os.rename(result, kept)
+        return os.path.isdir(kept)
 
     def _has_attempts(self):
         return any(name.startswith(self.id + "-") for name in os.listdir(self.attempts))
@@ -103,10 +98,8 @@ class Run:
             record, cycles = records[name], 0
             if record["state"] not in (REFUSED, CRASHED):
                 cycles = read_summary(os.path.join(self.out, "bags", name))["cycles"]
-            elif record["state"] == CRASHED or not os.path.exists(job["bag"]):
-                self._set_aside(name)
-            else:
-                self._forget(name)
+            elif self._set_aside(name):
+                record["message"] += f"; an earlier result is in {KEPT}/"
             progress.add(sizes[name], cycles, record.get("was_there", False))
 
         client = dask_run.connect(address)

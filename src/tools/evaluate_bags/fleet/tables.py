@@ -29,7 +29,8 @@ def bag_entry(out, record, changes):
     """Returns the entry of a bag in fleet.json. `record` is that of its job. `changes` is a list of
     (Change, allowed), or None without a baseline."""
     entry = {"bag": record["name"], "path": record["bag"], "state": record["state"],
-             "message": record["message"], "seconds": record.get("seconds"),
+             "message": record["message"], "warning": record.get("warning", ""),
+             "seconds": record.get("seconds"),
              "machine": record.get("machine", ""), "identity": record.get("identity_hash", ""),
              "was_there": record.get("was_there", False), "folder": None, "cycles": 0,
              "complete_cycles": 0, "pairs": 0, "expectations": [], "detect_ms": None}
@@ -57,7 +58,17 @@ def _row(bag):
             len(bag["expectations"]), sum(not e["holds"] for e in bag["expectations"]),
             ms["median"], ms["p95"], ms["most"], "" if changes is None else len(changes),
             "" if changes is None else sum(not change["allowed"] for change in changes),
-            bag["seconds"], bag["machine"], bag["identity"], bag["message"])
+            bag["seconds"], bag["machine"], bag["identity"],
+            "; ".join(text for text in (bag["message"], bag["warning"]) if text))
+
+
+def write_file(path, content):
+    """Writes a file that gets its name only once it is complete. An OSError names it, which that of
+    a full disk does not."""
+    try:
+        write_whole(path, content)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, path) from error
 
 
 def write_tables(out, fleet):
@@ -65,6 +76,6 @@ def write_tables(out, fleet):
     table = csv.writer(text, lineterminator="\n")
     table.writerow(COLUMNS)
     table.writerows(_row(bag) for bag in fleet["bags"])
-    write_whole(os.path.join(out, "fleet.csv"), text.getvalue().encode(errors="replace"))
-    write_whole(os.path.join(out, "fleet.json"),
-                json.dumps(fleet, indent=1, sort_keys=True).encode(errors="replace"))
+    write_file(os.path.join(out, "fleet.csv"), text.getvalue().encode(errors="replace"))
+    write_file(os.path.join(out, "fleet.json"),
+               json.dumps(fleet, indent=1, sort_keys=True).encode(errors="replace"))
