@@ -266,8 +266,25 @@ void StateJudge::judgeAtStamp(const Claim& claim) {
   if (broken > parameters_.tolerated_rejects + 1e-9) fault(state, "triangles are not finite");
 }
 
-// Returns the cycle before of whoever triggered this one, from which the pair's interval starts;
-// null if there is none.
+// Returns the cycle of the partner if it came after `own` and knew both bodies, else `own`. The
+// partner is the object of a pair of two objects that did not trigger this cycle.
+const StateJudge::Start* StateJudge::laterOfPartner(const Start* own, const Claim& claim) const {
+  for (const auto& [used, body] : {std::pair(&claim.used_a, claim.a), {&claim.used_b, claim.b}}) {
+    const auto found = starts_.find(body->name);
+    if (body->triggered || !used->object || found == starts_.end()) continue;
+    const Start& partners = found->second;
+    const bool knows_both =
+        partners.bodies.count(claim.a->name) > 0 && partners.bodies.count(claim.b->name) > 0;
+    if (knows_both && partners.cycle > own->cycle && partners.stamp >= own->stamp &&
+        partners.stamp <= claim.report->header.stamp) {
+      return &partners;
+    }
+  }
+  return own;
+}
+
+// Returns the cycle before of whoever triggered this one, or a later one of the partner, from which
+// the pair's interval starts; null if there is none.
 const StateJudge::Start* StateJudge::startOf(const Claim& claim) const {
   const Start* latest = nullptr;
   const bool is_of_links = !claim.used_a.object && !claim.used_b.object;
@@ -280,6 +297,7 @@ const StateJudge::Start* StateJudge::startOf(const Claim& claim) const {
     if (used->object && !hasBody(start, body->name, *used)) continue;
     if (latest == nullptr || latest->cycle < start.cycle) latest = &start;
   }
+  if (latest != nullptr) latest = laterOfPartner(latest, claim);
   if (latest != nullptr && beginsFrom(*latest, claim)) return latest;
   // The cycle of the partner, which has not moved since, may be the first that knew both.
   for (const auto& [used, body] : {std::pair(&claim.used_a, claim.a), {&claim.used_b, claim.b}}) {

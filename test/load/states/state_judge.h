@@ -101,6 +101,7 @@ class StateJudge {
   bool isTooOld(const ros::Time& now, const ros::Time& stamp) const;
   std::optional<Used> usedOf(const BodyStatus& body) const;
   std::optional<std::size_t> objectOf(const std::string& name) const;
+  const Start* laterOfPartner(const Start* own, const Claim& claim) const;
   const Start* startOf(const Claim& claim) const;
   static bool hasBody(const Start& start, const std::string& name, const Used& now);
   static bool beginsFrom(const Start& start, const Claim& claim);
