@@ -2,6 +2,7 @@
 # that Debian has to Ubuntu 20.04, for test/run --stand-in and --aarch64; and Debian 13 for --debian13.
 # bash sources this file after test/checks.sh.
 
+PATH=$PATH:/usr/sbin  # debootstrap and chroot are there, where not every PATH leads
 stand_in_package=/tree/package  # within the root
 
 # section FILE NAME: prints the packages that FILE lists under "# NAME".
@@ -29,7 +30,7 @@ make_stand_in() {
   mkdir -p "$stand_in"
   echo "makes a root of $release in $stand_in (minutes)"
   # shellcheck disable=SC2086
-  PATH=$PATH:/usr/sbin debootstrap --variant=minbase $release "$stand_in" >"$log" 2>&1 &&
+  debootstrap --variant=minbase $release "$stand_in" >"$log" 2>&1 &&
     cp -L /etc/resolv.conf "$stand_in/etc/" &&
     echo "127.0.0.1 localhost $(hostname)" >"$stand_in/etc/hosts" &&
     chroot "$stand_in" dpkg --add-architecture arm64 &&
