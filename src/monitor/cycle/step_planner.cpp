@@ -144,17 +144,21 @@ std::vector<SweepReport> StepPlanner::plan(const CycleTrigger& trigger, const Mo
   // Both are indexed by the number of the cycle that an interval starts from.
   std::map<std::uint64_t, SweepReport> intervals;
   std::map<std::uint64_t, std::shared_ptr<const UsedCycle>> starts;
+  const auto intervalFrom = [&](const std::shared_ptr<const UsedCycle>& from) -> SweepReport& {
+    const std::uint64_t number = from == nullptr ? 0 : from->cycle;
+    starts[number] = from;
+    SweepReport& interval = intervals[number];
+    interval.bodies.resize(scene.bodies().size());
+    if (number > 0) interval.from = from->stamp;
+    return interval;
+  };
   Beginnings beginnings;
   for (const std::size_t who : triggers) {
     const std::vector<BodyId> bodies = bodiesOf(who, scene);
     const std::string problem = problemOf(who, *used, bodies.empty() ? 0 : bodies.front());
     const std::shared_ptr<const UsedCycle> from = problem.empty() ? previous_[who].used : nullptr;
-    const std::uint64_t number = from == nullptr ? 0 : from->cycle;
     beginnings[who] = from;
-    starts[number] = from;
-    SweepReport& interval = intervals[number];
-    interval.bodies.resize(scene.bodies().size());
-    if (number > 0) interval.from = from->stamp;
+    SweepReport& interval = intervalFrom(from);
     interval.triggered.insert(interval.triggered.end(), bodies.begin(), bodies.end());
     for (const BodyId id : bodies) interval.bodies[id].skipped = problem;
   }
@@ -162,13 +166,7 @@ std::vector<SweepReport> StepPlanner::plan(const CycleTrigger& trigger, const Mo
   planned_triggers_ = std::move(triggers);
   for (const MonitoredPair& pair : report.pairs) {
     if (!scene.scene().pairEnabled(pair.a, pair.b)) continue;
-    const std::shared_ptr<const UsedCycle> from = startOf(pair, scene, beginnings);
-    const std::uint64_t number = from == nullptr ? 0 : from->cycle;
-    starts[number] = from;
-    SweepReport& interval = intervals[number];
-    interval.bodies.resize(scene.bodies().size());
-    if (number > 0) interval.from = from->stamp;
-    interval.pairs.push_back(pair);
+    intervalFrom(startOf(pair, scene, beginnings)).pairs.push_back(pair);
   }
 
   std::vector<SweepReport> planned;
@@ -209,9 +207,8 @@ std::shared_ptr<const UsedCycle> StepPlanner::startOf(const MonitoredPair& pair,
   }
   if (start == nullptr) return nullptr;
   for (const BodyId id : {pair.a, pair.b}) {
-    const std::size_t who = id - first;
-    if (id < first || isTrigger(id) || who >= parameters_.objects.size()) continue;
-    const std::shared_ptr<const UsedCycle>& partners = previous_[who].used;
+    if (id < first || isTrigger(id)) continue;
+    const std::shared_ptr<const UsedCycle>& partners = previous_[id - first].used;
     const bool is_later = partners != nullptr && partners->cycle > start->cycle &&
                           partners->stamp >= start->stamp && partners->stamp <= planned_->stamp;
     if (is_later && partners->bodies.at(pair.a) && partners->bodies.at(pair.b)) start = partners;
