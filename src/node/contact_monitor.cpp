@@ -162,16 +162,17 @@ void ContactMonitor::showStart(const std::vector<InputStatus>& inputs) {
 std::vector<InputStatus> ContactMonitor::inputStatuses() const {
   const std::map<std::string, std::string> types = publishedTypes();
   std::vector<InputStatus> inputs;
-  for (std::size_t i = 0; i < subscribers_.size(); ++i) {
+  for (std::size_t i = 0; i < receptions_.size(); ++i) {
+    const ros::Subscriber& subscriber = receptions_[i].subscriber;
     InputStatus input;
     input.object = parameters_.objects[i].name;
-    input.topic = subscribers_[i].getTopic();
+    input.topic = subscriber.getTopic();
     input.wanted_type = messageType(parameters_.objects[i].type);
     input.required = parameters_.objects[i].required;
     input.received = meshes_[i].counters().received;
     std::tie(input.refusal, input.anomaly) = diagnostics_.meshProblems(i);
     input.rivals = meshes_[i].rivals(std::chrono::steady_clock::now());
-    input.publishers = subscribers_[i].getNumPublishers();
+    input.publishers = subscriber.getNumPublishers();
     const auto type = types.find(input.topic);
     if (type != types.end()) input.type = type->second;
     inputs.push_back(std::move(input));
@@ -257,7 +258,10 @@ void ContactMonitor::subscribeToMeshes() {
     const auto [node, topic] = nameOf(object);
     ros::SubscribeOptions options =
         meshSubscription(topic, object, parameters_.max_mesh_bytes, store);
-    subscribers_.push_back(node->subscribe(options));
+    MeshReception& reception = receptions_.emplace_back();
+    options.callback_queue = &reception.queue;
+    reception.subscriber = node->subscribe(options);
+    reception.spinner.start();
   }
 }
 

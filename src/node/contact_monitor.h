@@ -15,6 +15,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <deque>
 #include <memory>
 #include <string>
 #include <thread>
@@ -109,6 +110,15 @@ class ContactMonitor {
   RobotSource robot_source_;
   NodeDiagnostics diagnostics_;
 
+  // Receives the meshes of one object in a thread of its own. A large mesh takes long to read and
+  // to convert, and those of other objects go on meanwhile.
+  struct MeshReception {
+    ~MeshReception() { queue.disable(); }  // wakes the thread, which would end only 0.1 s later
+    ros::CallbackQueue queue;
+    ros::Subscriber subscriber;
+    ros::AsyncSpinner spinner{1, &queue};
+  };
+
   // ~reload_robot and ~attach_object have queues of their own: a robot with bad files takes long to
   // read, and what a link holds of a large mesh to find. Messages must go on meanwhile.
   ros::CallbackQueue reload_queue_, attach_queue_;
@@ -126,7 +136,7 @@ class ContactMonitor {
   std::unique_ptr<Reconfigure> reconfigure_;  // writes to the master
 
   std::unique_ptr<StateService> state_service_;  // answers planners, in threads of its own
-  std::vector<ros::Subscriber> subscribers_;
+  std::deque<MeshReception> receptions_;         // in the order of the objects
   std::vector<ros::ServiceServer> services_;
   ros::WallTimer diagnostics_timer_, watch_timer_;
   std::thread thread_;         // runs the detection loop
