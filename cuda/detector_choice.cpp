@@ -116,7 +116,7 @@ std::unique_ptr<Detector> makeDetector(BackendChoice choice, WithoutCuda without
     CpuSettings cpu;
     cpu.memory_limit_bytes = settings.memory_limit_bytes;
     cpu.tilings = tilings ? tilings : std::make_shared<TilingCache>();
-    pool.cpu = [cpu] { return makeCpuDetector(cpu); };
+    pool.cpu = cpuDetectorMaker(cpu);
   }
   if (choice != BackendChoice::kCpu) {
     CudaSettings cuda = settings;

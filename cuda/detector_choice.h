@@ -20,8 +20,9 @@ namespace deformable_contact_monitor {
 //   thrown.
 // CUDA is tried again after a failure only with WithoutCuda::kTryAgain.
 //
-// `settings`: memory_limit_bytes also bounds each detector on the CPU. Sets of enabled pairs have
-// detectors of their own; no more are made once all of them together use that much.
+// `settings`: memory_limit_bytes also bounds the contacts that the CPU lists. Sets of enabled pairs
+// have detectors of their own: on CUDA no more are made once all of them together use that much,
+// and on the CPU they share their arrays.
 // `changed`: is called with the state of CUDA when that changes, and when one of several devices is
 // lost (BackendState::partly), from within this function or detect(). May be empty.
 // `tilings`: if not null, the CPU decides within Options::tolerance_m and the deadline by bounds of

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 #include "core/detector.h"
@@ -23,5 +24,11 @@ struct CpuSettings {
 // was forked after detectors had run uses one thread. There, a detector that another thread was
 // using at the fork throws BackendError (kUnavailable) in each detect(); the others go on.
 DCM_EXPORT std::unique_ptr<Detector> makeCpuDetector(const CpuSettings& settings = CpuSettings());
+
+// Returns a maker of such detectors for a pool (core/detector_pool.h). They share their arrays, so
+// that each one after the first takes little memory: some 8 bytes for each vertex. Only one thread
+// at a time may use any of them, and a result is valid until one of them runs again.
+DCM_EXPORT std::function<std::unique_ptr<Detector>()> cpuDetectorMaker(
+    const CpuSettings& settings = CpuSettings());
 
 }  // namespace deformable_contact_monitor

@@ -31,7 +31,8 @@ struct RetryTimes {
 struct PoolSettings {
   // Makes detectors on a device such as a GPU. Empty: the CPU does everything.
   DetectorMaker device;
-  // Makes detectors on the CPU. Empty: what `device` and its detectors throw goes to the caller.
+  // Makes detectors on the CPU; cpuDetectorMaker() (core/cpu_detector.h) makes them share their
+  // arrays. Empty: what `device` and its detectors throw goes to the caller.
   // At least one of the two makers must be there.
   DetectorMaker cpu;
 
@@ -42,8 +43,8 @@ struct PoolSettings {
   std::optional<RetryTimes> retry;
 
   // A new set of pairs has no detector of its own once there are `most_detectors`, or once all of
-  // the backend's detectors together use `memory_bytes` (DetectionResult::detector_bytes). It then
-  // takes over the detector that has been idle longest.
+  // the backend's detectors together use `memory_bytes` (DetectionResult::detector_bytes, which is
+  // 0 on the CPU). It then takes over the detector that has been idle longest.
   std::size_t most_detectors = 128;
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;
 

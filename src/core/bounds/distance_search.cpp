@@ -47,7 +47,7 @@ std::vector<SearchedPair> otherSearches(const Scene& scene, bool by_part,
 }  // namespace
 
 void DistanceSearch::find(const Scene& scene, const Options& options, const CycleLimit& limit,
-                          DetectionResult& result) {
+                          PairRounds& rounds, DetectionResult& result) {
   if (!options.nearest || limit.over()) return;
   SearchGoal goal;
   goal.nearest = true;
@@ -66,9 +66,11 @@ void DistanceSearch::find(const Scene& scene, const Options& options, const Cycl
       is_new[id] = false;
     }
   }
-  rounds_.begin(scene, searches, tilings, goal, limit);
-  rounds_.decide(limit, SteadyTime::max());
-  rounds_.addNearest(scene, result);
+  rounds.swapLast(last_);
+  rounds.begin(scene, searches, tilings, goal, limit);
+  rounds.decide(limit, SteadyTime::max());
+  rounds.addNearest(scene, result);
+  rounds.swapLast(last_);
 }
 
 }  // namespace deformable_contact_monitor

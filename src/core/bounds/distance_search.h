@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "core/bounds/pair_rounds.h"
 #include "core/common/cycle_limit.h"
@@ -23,16 +24,17 @@ class DistanceSearch {
   // Fills result.nearest if options.nearest is set. The contacts of the cycle must be in the
   // result: where their list is complete, it tells which bodies touch, and only the other pairs are
   // searched. With swept motion all pairs are searched at the present moment. Once the limit is
-  // over, pairs may be missing. The vertices of the scene must be on the host.
-  void find(const Scene& scene, const Options& options, const CycleLimit& limit,
+  // over, pairs may be missing. The vertices of the scene must be on the host. Several may share
+  // `rounds`, in which nothing is left but the tiles of bodies.
+  void find(const Scene& scene, const Options& options, const CycleLimit& limit, PairRounds& rounds,
             DetectionResult& result);
 
   // Forgets what earlier cycles left.
-  void forget() { rounds_.forget(); }
+  void forget() { last_.clear(); }
 
  private:
   std::shared_ptr<TilingCache> tilings_;
-  PairRounds rounds_;
+  std::vector<PairRounds::Last> last_;
 };
 
 }  // namespace deformable_contact_monitor

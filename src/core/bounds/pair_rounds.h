@@ -40,6 +40,14 @@ std::vector<SearchedPair> searchesOf(const Scene& scene,
 // at a time calls it, and it uses the threads of the TBB arena in which it is called.
 class PairRounds {
  public:
+  // The nearest triangles of two bodies or parts in the last cycle, by the revisions of their
+  // topologies.
+  struct Last {
+    std::uint64_t topology_a, topology_b;
+    int parts;  // part_a * 256 + part_b; -1: all parts
+    std::uint32_t triangle_a, triangle_b;
+  };
+
   // Begins a cycle with these pairs, ascending by their bodies. `tilings`: one per
   // body of the scene; null where there is none. With goal.nearest, a search starts from the
   // nearest triangles of the last cycle. The scene must live, unchanged, until the cycle ends.
@@ -68,6 +76,13 @@ class PairRounds {
   // Forgets the nearest triangles of earlier cycles.
   void forget() { last_.clear(); }
 
+  // Ends a cycle, and swaps its nearest triangles with `last`. Sets of pairs that take turns keep
+  // theirs outside, and swap before begin() too.
+  void swapLast(std::vector<Last>& last) {
+    remember();
+    last_.swap(last);
+  }
+
   // Returns the contacts that were found, sorted, each once.
   std::vector<ListedContact> contacts() const;
 
@@ -85,14 +100,6 @@ class PairRounds {
     std::unique_ptr<PairSearch> search;    // null: there was no time to begin it
     std::vector<ListedContact> listed;
     bool is_listed = false;  // `listed` is complete
-  };
-
-  // The nearest triangles of two bodies or parts in the last cycle, by the revisions of their
-  // topologies.
-  struct Last {
-    std::uint64_t topology_a, topology_b;
-    int parts;  // part_a * 256 + part_b; -1: all parts
-    std::uint32_t triangle_a, triangle_b;
   };
 
   static bool isBefore(const Last& x, const Last& y) {

@@ -53,10 +53,10 @@ void ClusterAssigner::markUsers(const WorkingSet& set, const SizeSplit& split,
 template <class Primitive>
 void ClusterAssigner::findNearest(const WorkingSet& set, const SizeSplit& split,
                                   const PrototypesView& view, const std::vector<float>& slack,
-                                  const CycleLimit& limit) {
+                                  const CycleLimit& limit, std::vector<NearestPrototype>& nearest) {
   markUsers(set, split, limit);
   scaled_.resize(kStates<Primitive> * set.vertices.size());
-  nearest_.resize(kStates<Primitive> * set.vertices.size());
+  nearest.resize(kStates<Primitive> * set.vertices.size());
   const auto findBlock = [&](std::size_t, std::size_t begin, std::size_t end) {
     PacedLimit pace(limit, kPollPeriod);
     for (std::size_t i = begin; i < end && !pace.over(); ++i) {
@@ -65,8 +65,8 @@ void ClusterAssigner::findNearest(const WorkingSet& set, const SizeSplit& split,
       const auto find = [&](const SceneScale& scale, const Vec3f& vertex, std::size_t at) {
         scaled_[at] = scale.apply(vertex);
         // The nearest prototype of the last cycle is the best guess for this one.
-        const std::uint32_t start = nearest_[at].cluster < view.count ? nearest_[at].cluster : 0;
-        nearest_[at] = nearestPrototype(view, scaled_[at], start, slack[user]);
+        const std::uint32_t start = nearest[at].cluster < view.count ? nearest[at].cluster : 0;
+        nearest[at] = nearestPrototype(view, scaled_[at], start, slack[user]);
       };
       if constexpr (kIsMoving<Primitive>) {
         find(split.scale, set.earlier[i], 2 * i);
@@ -84,8 +84,10 @@ void ClusterAssigner::findNearest(const WorkingSet& set, const SizeSplit& split,
 template <class Primitive>
 void ClusterAssigner::assignBlock(const WorkingSet& set, const SizeSplit& split,
                                   const PrototypesView& view, float overlap,
-                                  const std::vector<float>& slack, std::size_t begin,
-                                  std::size_t end, const CycleLimit& limit, Block& block) const {
+                                  const std::vector<float>& slack,
+                                  const std::vector<NearestPrototype>& nearest_of,
+                                  std::size_t begin, std::size_t end, const CycleLimit& limit,
+                                  Block& block) const {
   block.length.clear();
   block.lists.clear();
   PacedLimit pace(limit, kPollPeriod);
@@ -94,7 +96,7 @@ void ClusterAssigner::assignBlock(const WorkingSet& set, const SizeSplit& split,
     const std::uint32_t* corner = set.cornersOf(t);
     NearestPrototype nearest[kPoints<Primitive>];
     for (std::size_t k = 0; k < kPoints<Primitive>; ++k)
-      nearest[k] = nearest_[place<Primitive>(corner, k)];
+      nearest[k] = nearest_of[place<Primitive>(corner, k)];
     if (isInterior<kPoints<Primitive>>(nearest)) {
       block.length.push_back(1);
       block.lists.push_back(nearest[0].cluster);
@@ -117,16 +119,18 @@ void ClusterAssigner::assignBlock(const WorkingSet& set, const SizeSplit& split,
 template <class Primitive>
 void ClusterAssigner::assign(const Scene& scene, const WorkingSet& set, const SizeSplit& split,
                              const Prototypes& prototypes, const Options& options,
+                             std::vector<NearestPrototype>& nearest,
                              ClusterAssignment<Primitive>& assignment, const CycleLimit& limit) {
   const PrototypesView view = prototypes.view();
   const std::vector<float> slack = scaledSlacks<Primitive>(scene, options, split.scale);
-  findNearest<Primitive>(set, split, view, slack, limit);
+  findNearest<Primitive>(set, split, view, slack, limit, nearest);
 
   const std::size_t count = split.regular.size();
   blocks_.resize(blockCount(count, kBlock));
   parallelBlocks(limit, count, kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
     Block& block = blocks_[b];
-    assignBlock<Primitive>(set, split, view, options.overlap, slack, begin, end, limit, block);
+    assignBlock<Primitive>(set, split, view, options.overlap, slack, nearest, begin, end, limit,
+                           block);
     block.entries.assign(prototypes.size(), 0);
     for (const std::uint32_t g : block.lists) ++block.entries[g];
   });
@@ -190,11 +194,10 @@ template std::vector<float> scaledSlacks<MovingTriangle>(const Scene&, const Opt
                                                          const SceneScale&);
 template void ClusterAssigner::assign<Triangle>(const Scene&, const WorkingSet&, const SizeSplit&,
                                                 const Prototypes&, const Options&,
+                                                std::vector<NearestPrototype>&,
                                                 ClusterAssignment<Triangle>&, const CycleLimit&);
-template void ClusterAssigner::assign<MovingTriangle>(const Scene&, const WorkingSet&,
-                                                      const SizeSplit&, const Prototypes&,
-                                                      const Options&,
-                                                      ClusterAssignment<MovingTriangle>&,
-                                                      const CycleLimit&);
+template void ClusterAssigner::assign<MovingTriangle>(
+    const Scene&, const WorkingSet&, const SizeSplit&, const Prototypes&, const Options&,
+    std::vector<NearestPrototype>&, ClusterAssignment<MovingTriangle>&, const CycleLimit&);
 
 }  // namespace deformable_contact_monitor

@@ -49,17 +49,19 @@ struct ClusterAssignment {
   }
 };
 
-// Fills ClusterAssignments. It keeps its buffers, and each vertex's nearest prototype as the next
-// guess, from cycle to cycle.
+// Fills ClusterAssignments. It keeps its buffers from cycle to cycle.
 class ClusterAssigner {
  public:
   // Fills in `assignment`. options.overlap in [0, 1] is the part of each triangle, about its
   // centroid, that the rule uses; less than 1 may lose contacts. Margins and motion bounds are
-  // those of the bodies. Once the limit is over, the assignment is unspecified.
+  // those of the bodies. Once the limit is over, the assignment is unspecified. `nearest` gets the
+  // nearest prototype of each vertex in each state; what it has from an earlier cycle is the first
+  // guess, which only saves time.
   template <class Primitive>
   void assign(const Scene& scene, const WorkingSet& set, const SizeSplit& split,
               const Prototypes& prototypes, const Options& options,
-              ClusterAssignment<Primitive>& assignment, const CycleLimit& limit = noLimit());
+              std::vector<NearestPrototype>& nearest, ClusterAssignment<Primitive>& assignment,
+              const CycleLimit& limit = noLimit());
 
  private:
   // The clusters of one block of triangles.
@@ -71,11 +73,13 @@ class ClusterAssigner {
   void markUsers(const WorkingSet& set, const SizeSplit& split, const CycleLimit& limit);
   template <class Primitive>
   void findNearest(const WorkingSet& set, const SizeSplit& split, const PrototypesView& view,
-                   const std::vector<float>& slack, const CycleLimit& limit);
+                   const std::vector<float>& slack, const CycleLimit& limit,
+                   std::vector<NearestPrototype>& nearest);
   template <class Primitive>
   void assignBlock(const WorkingSet& set, const SizeSplit& split, const PrototypesView& view,
-                   float overlap, const std::vector<float>& slack, std::size_t begin,
-                   std::size_t end, const CycleLimit& limit, Block& block) const;
+                   float overlap, const std::vector<float>& slack,
+                   const std::vector<NearestPrototype>& nearest, std::size_t begin, std::size_t end,
+                   const CycleLimit& limit, Block& block) const;
   bool countEntries(std::size_t cluster_count, const CycleLimit& limit,
                     std::vector<std::uint32_t>& entry_begin);
   template <class Primitive>
@@ -84,9 +88,8 @@ class ClusterAssigner {
 
   std::vector<Block> blocks_;
 
-  // Per state of a vertex; the states of a vertex are neighbours:
-  std::vector<Vec3f> scaled_;              // if it is in use
-  std::vector<NearestPrototype> nearest_;  // from cycle to cycle, as guesses
+  // Per state of a vertex that is in use; the states of a vertex are neighbours.
+  std::vector<Vec3f> scaled_;
   // Per vertex: the body that uses it, or kUnused.
   std::vector<std::atomic<std::uint32_t>> user_;
 };

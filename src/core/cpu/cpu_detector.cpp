@@ -64,19 +64,37 @@ void addShares(const StageTimes& work, double wall_ms, StageTimes& times) {
   if (work_ms > 0) times.add(work, wall_ms / work_ms);
 }
 
-// The CPU backend. detect() runs the stages one after the other; every stage keeps its buffers for
-// the next cycle.
+// What each cycle overwrites, and what is kept by revisions of bodies and so serves every scene.
+// Stages keep their buffers here for the next cycle. Detectors of a pool share one of these.
+struct CycleArrays {
+  WorkingSetBuilder builder;
+  WorkingSet set;
+  FanCertifier fans;
+  SizeSplit split;
+  Prototypes prototypes;
+  ClusterAssigner assigner;
+  std::tuple<ClusterAssignment<Triangle>, ClusterAssignment<MovingTriangle>> assignments;
+  std::tuple<std::vector<SweepBuffers<Triangle>>, std::vector<SweepBuffers<MovingTriangle>>>
+      sweep_buffers;
+  std::tuple<ContactWriter<Triangle>, ContactWriter<MovingTriangle>> writers;
+  PairRounds rounds;
+  DetectionResult result;
+};
+
+// The CPU backend. detect() runs the stages one after the other. What it keeps for itself is of use
+// to its own set of pairs alone.
 class CpuDetector : public Detector {
  public:
-  explicit CpuDetector(const CpuSettings& settings)
+  CpuDetector(const CpuSettings& settings, std::shared_ptr<CycleArrays> arrays)
       : settings_(settings),
+        arrays_(std::move(arrays)),
         distances_(settings.tilings ? settings.tilings : std::make_shared<TilingCache>()) {}
   std::string backend() const override { return "cpu"; }
   void reset() override {
     tracker_.clear();
     distances_.forget();
   }
-  void swapResult(DetectionResult& result) override { result_.swap(result); }
+  void swapResult(DetectionResult& result) override { arrays_->result.swap(result); }
   const DetectionResult& detect(const Scene& scene, const Options& options) override;
 
  private:
@@ -92,24 +110,15 @@ class CpuDetector : public Detector {
   void countClusters();
   template <class Primitive>
   ClusterAssignment<Primitive>& assignment() {
-    return std::get<ClusterAssignment<Primitive>>(assignments_);
+    return std::get<ClusterAssignment<Primitive>>(arrays_->assignments);
   }
 
   CpuSettings settings_;
   Threads threads_;
-  WorkingSetBuilder builder_;
-  WorkingSet set_;
-  FanCertifier fans_;
-  SizeSplit split_;
+  const std::shared_ptr<CycleArrays> arrays_;
   PrototypeTracker tracker_;
-  Prototypes prototypes_;
-  ClusterAssigner assigner_;
-  std::tuple<ClusterAssignment<Triangle>, ClusterAssignment<MovingTriangle>> assignments_;
-  std::tuple<std::vector<SweepBuffers<Triangle>>, std::vector<SweepBuffers<MovingTriangle>>>
-      sweep_buffers_;
-  std::tuple<ContactWriter<Triangle>, ContactWriter<MovingTriangle>> writers_;
+  std::vector<NearestPrototype> nearest_;
   DistanceSearch distances_;
-  DetectionResult result_;
 };
 
 const DetectionResult& CpuDetector::detect(const Scene& scene, const Options& options) {
@@ -122,7 +131,7 @@ const DetectionResult& CpuDetector::detect(const Scene& scene, const Options& op
       run<Triangle>(scene, options);
     }
   });
-  return result_;
+  return arrays_->result;
 }
 
 // Runs all stages on triangles at one moment, or on moving ones.
@@ -131,18 +140,18 @@ void CpuDetector::run(const Scene& scene, const Options& options) {
   const Stopwatch cycle;
   const CycleLimit limit(options.limits);
   StageTimes times;
-  result_.begin(scene, options, isGuaranteed(options));
+  arrays_->result.begin(scene, options, isGuaranteed(options));
   if (makeClusters<Primitive>(scene, options, limit, times)) {
     findContacts<Primitive>(scene, options, limit, times);
   }
   Stopwatch watch;
-  distances_.find(scene, options, limit, result_);
+  distances_.find(scene, options, limit, arrays_->rounds, arrays_->result);
   const double nearest_ms = watch.lapMs();
-  if (limit.wasOver()) result_.cutOff(limit.why());
-  result_.stages_ms = times.byName();
-  if (options.nearest) result_.stages_ms.emplace_back("nearest", nearest_ms);
-  result_.round_trip_ms = cycle.elapsedMs();
-  result_.detect_ms = times.totalMs() - times.of(Stage::kOutput) + nearest_ms;
+  if (limit.wasOver()) arrays_->result.cutOff(limit.why());
+  arrays_->result.stages_ms = times.byName();
+  if (options.nearest) arrays_->result.stages_ms.emplace_back("nearest", nearest_ms);
+  arrays_->result.round_trip_ms = cycle.elapsedMs();
+  arrays_->result.detect_ms = times.totalMs() - times.of(Stage::kOutput) + nearest_ms;
 }
 
 // Runs the stages before pairs come up. Returns false if the limit is over.
@@ -151,19 +160,21 @@ bool CpuDetector::makeClusters(const Scene& scene, const Options& options, const
                                StageTimes& times) {
   if (limit.over()) return false;
   Stopwatch watch;
-  builder_.build<Primitive>(scene, options, set_, result_.counters, limit);
-  result_.rejected_parts = builder_.rejectedParts();
+  arrays_->builder.build<Primitive>(scene, options, arrays_->set, arrays_->result.counters, limit);
+  arrays_->result.rejected_parts = arrays_->builder.rejectedParts();
   if (!kIsMoving<Primitive> && options.adjacent == AdjacentPairs::kBeyondShared &&
       options.predicates != Predicates::kConservative && !limit.wasOver()) {
-    fans_.certify(scene, set_, limit);
+    arrays_->fans.certify(scene, arrays_->set, limit);
   }
-  if (!limit.wasOver()) splitBySize(set_, split_, limit);
+  if (!limit.wasOver()) splitBySize(arrays_->set, arrays_->split, limit);
   times.add(Stage::kTransform, watch.lapMs());
   if (limit.wasOver()) return false;
-  result_.started_cold = tracker_.update<Primitive>(set_, split_, options, limit, prototypes_);
+  arrays_->result.started_cold =
+      tracker_.update<Primitive>(arrays_->set, arrays_->split, options, limit, arrays_->prototypes);
   times.add(Stage::kCluster, watch.lapMs());
   if (limit.wasOver()) return false;
-  assigner_.assign(scene, set_, split_, prototypes_, options, assignment<Primitive>(), limit);
+  arrays_->assigner.assign(scene, arrays_->set, arrays_->split, arrays_->prototypes, options,
+                           nearest_, assignment<Primitive>(), limit);
   times.add(Stage::kAssign, watch.lapMs());
   return !limit.wasOver();
 }
@@ -174,23 +185,25 @@ void CpuDetector::findContacts(const Scene& scene, const Options& options, const
                                StageTimes& times) {
   Stopwatch watch;
   const BodyGroups groups(scene);
-  const std::vector<float> slack = scaledSlacks<Primitive>(scene, options, split_.scale);
+  const std::vector<float> slack = scaledSlacks<Primitive>(scene, options, arrays_->split.scale);
   ContactRoom room(settings_.memory_limit_bytes,
                    ContactRoom::bytesEach<Primitive>(options.geometry));
-  const CycleInput<Primitive> input{scene,   set_,  split_, assignment<Primitive>(), groups, slack,
-                                    options, limit, &room};
+  const CycleInput<Primitive> input{scene,  arrays_->set, arrays_->split, assignment<Primitive>(),
+                                    groups, slack,        options,        limit,
+                                    &room};
   CycleOutput<Primitive> output(input);
-  sweepClusters(input, std::get<std::vector<SweepBuffers<Primitive>>>(sweep_buffers_), output);
+  sweepClusters(input, std::get<std::vector<SweepBuffers<Primitive>>>(arrays_->sweep_buffers),
+                output);
   addShares(output.work, watch.lapMs(), times);
   output.work = StageTimes();
   if (!limit.wasOver()) sweepOversized(input, output);
   addShares(output.work, watch.lapMs(), times);
 
-  std::get<ContactWriter<Primitive>>(writers_).write(scene, options, set_, output.contacts, limit,
-                                                     result_);
-  writeGeometry(scene, options, result_);
+  std::get<ContactWriter<Primitive>>(arrays_->writers)
+      .write(scene, options, arrays_->set, output.contacts, limit, arrays_->result);
+  writeGeometry(scene, options, arrays_->result);
   countClusters<Primitive>();
-  result_.counters.addWork(output.counters);
+  arrays_->result.counters.addWork(output.counters);
   times.add(Stage::kOutput, watch.lapMs());
 }
 
@@ -198,10 +211,10 @@ void CpuDetector::findContacts(const Scene& scene, const Options& options, const
 template <class Primitive>
 void CpuDetector::countClusters() {
   const ClusterAssignment<Primitive>& assignment = this->assignment<Primitive>();
-  Counters& counters = result_.counters;
-  counters.clustered = split_.regular.size();
-  counters.large = split_.oversized.size();
-  counters.clusters = split_.regular.empty() ? 0 : assignment.clusterCount();
+  Counters& counters = arrays_->result.counters;
+  counters.clustered = arrays_->split.regular.size();
+  counters.large = arrays_->split.oversized.size();
+  counters.clusters = arrays_->split.regular.empty() ? 0 : assignment.clusterCount();
   counters.cluster_entries = assignment.entries.size();
   for (std::size_t g = 0; g < assignment.clusterCount(); ++g) {
     counters.largest_cluster = std::max<std::uint64_t>(
@@ -212,8 +225,15 @@ void CpuDetector::countClusters() {
 }  // namespace
 
 std::unique_ptr<Detector> makeCpuDetector(const CpuSettings& settings) {
-  return guardAgainstForks(withRadiiAndPartMargins(std::make_unique<CpuDetector>(settings)),
-                           AfterFork::kWorks);
+  return cpuDetectorMaker(settings)();
+}
+
+std::function<std::unique_ptr<Detector>()> cpuDetectorMaker(const CpuSettings& settings) {
+  return [settings, arrays = std::make_shared<CycleArrays>()] {
+    return guardAgainstForks(
+        withRadiiAndPartMargins(std::make_unique<CpuDetector>(settings, arrays)),
+        AfterFork::kWorks);
+  };
 }
 
 }  // namespace deformable_contact_monitor

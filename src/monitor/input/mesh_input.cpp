@@ -48,6 +48,14 @@ void MeshInput::store(IncomingMesh mesh) {
     return;
   }
   deletion_.reset();
+  // A message that came before is still held, so no other message can be at its address.
+  if (last_ == mesh.message && last_stamp_ != mesh.stamp() && mesh.problem.empty()) {
+    mesh.problem =
+        "its publisher, in this process, changed a mesh that it had published; it must make a new "
+        "message for each mesh";
+  }
+  last_ = mesh.message;
+  last_stamp_ = mesh.stamp();
   ++counters_.received;
   counters_.stamped_on_receipt += mesh.stamped_on_receipt;
   if (waiting_) ++counters_.dropped;
@@ -176,7 +184,11 @@ void MeshInput::checkHeader(const DeformableMesh& message) const {
   if (!isMeshOf(object_, message)) {
     rejectMesh("the mesh is of object '" + message.object + "', expected is '" + object_ + "'");
   }
-  if (message.header.stamp.isZero()) rejectMesh("header.stamp is zero");
+  const ros::Time& stamp = message.header.stamp;
+  if (stamp.isZero()) rejectMesh("header.stamp is zero");
+  if (stamp.nsec >= 1000000000) {
+    rejectMesh("header.stamp has " + std::to_string(stamp.nsec) + " ns, a second or more");
+  }
   if (message.header.frame_id.empty()) rejectMesh("header.frame_id is empty");
 }
 

@@ -62,7 +62,8 @@ class MeshInput {
   // The following functions may be called by any thread.
 
   // Makes `mesh` the one that waits. One that waited before is dropped. A deletion waits beside it
-  // for endGrace(), and is forgotten if a mesh comes before.
+  // for endGrace(), and is forgotten if a mesh comes before. The message that came last must not
+  // come again with another stamp: the vertices of the first one are gone then, and it is invalid.
   void store(IncomingMesh mesh);
   // Offers triangles as if a message with them had arrived and had been dropped; null: none.
   void storeTriangles(const DeformableMesh::ConstPtr& keyframe);
@@ -129,11 +130,13 @@ class MeshInput {
   const std::size_t history_bytes_;
 
   RivalPublishers rivals_;
-  mutable std::mutex mutex_;  // guards the next five members; never held for long
+  mutable std::mutex mutex_;  // guards the next seven members; never held for long
   std::optional<IncomingMesh> waiting_, deletion_;
   std::optional<IncomingMesh> newest_;  // the last of accepted_, for other threads
   DeformableMesh::ConstPtr keyframe_;   // newest message with triangles since the last take()
   MeshCounters counters_;
+  DeformableMesh::ConstPtr last_;  // the message that came last, with its stamp at that time
+  ros::Time last_stamp_;
 
   // Only the detection thread uses what follows.
   std::deque<IncomingMesh> accepted_;  // ascending stamps

@@ -62,7 +62,8 @@ class Frame {
     Prototypes prototypes;
     prototypes.build(points);
     ClusterAssignment<Triangle> assignment;
-    ClusterAssigner().assign(scene_, set_, split_, prototypes, Options(), assignment);
+    std::vector<NearestPrototype> nearest;
+    ClusterAssigner().assign(scene_, set_, split_, prototypes, Options(), nearest, assignment);
     const BodyGroups groups(scene_);
     const std::vector<float> slack = scaledSlacks(scene_, Options(), split_.scale);
     const Options options;

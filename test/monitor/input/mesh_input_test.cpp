@@ -69,6 +69,25 @@ TEST_F(ArrivalTest, AMeshIsTakenOnce) {
   EXPECT_FALSE(input_.hasWaiting());
 }
 
+// A publisher in the same process may send one message again and again, each time filled anew.
+TEST_F(ArrivalTest, AMessageThatChangedAfterItCameIsRejected) {
+  const auto message = keyframe(50);
+  input_.store({message});
+  EXPECT_EQ(take().problem, "");
+  input_.store({message});
+  EXPECT_EQ(take().problem, "") << "it is as it was";
+  for (int i = 1; i < 4; ++i) {
+    message->header.stamp += ros::Duration(0.1);
+    message->vertices[2] += 1;
+    input_.store({message});
+    EXPECT_NE(take().problem.find("changed a mesh that it had published"), std::string::npos) << i;
+    std::string why_not;
+    EXPECT_EQ(input_.newestAt(ros::Time(50 + 0.1 * i), &why_not), nullptr) << i;
+  }
+  input_.store({keyframe(51)});
+  EXPECT_EQ(take().problem, "");
+}
+
 TEST_F(ArrivalTest, ADeletionCountsWhenItsGraceEndsUnlessAMeshComesBefore) {
   const auto deletion = [](int ms) {
     IncomingMesh mesh{boost::make_shared<DeformableMesh>(), "it was deleted"};
@@ -317,6 +336,9 @@ TEST_F(MeshInputTest, SenselessHeadersAreRejected) {
   nameless->header.frame_id.clear();
   expectRejected(nameless, "frame_id is empty");
   expectRejected(keyframe(0), "stamp is zero");
+  auto overfull = keyframe(49);
+  overfull->header.stamp.nsec = 1250000000;
+  expectRejected(overfull, "1250000000 ns");
   expectRejected(keyframe(51.5), "ahead of this machine's clock");
   auto other = keyframe(50);
   other->object = "cable";
