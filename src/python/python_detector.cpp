@@ -80,7 +80,7 @@ Choice choiceOf(const std::string& argument, const std::string& name,
 
 // Warns as Python does, which shows each place once. Throws what a filter of the user makes of it.
 void warnIfNothingIsEnabled(const Scene& scene) {
-  if (scene.bodyCount() == 0 || !scene.enabledPairs().empty()) return;
+  if (!scene.enabledPairs().empty()) return;
   const char* const text =
       "no pair of the scene's bodies is enabled, so detect() finds nothing: call "
       "set_pair_enabled(a, b) first";

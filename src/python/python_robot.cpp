@@ -30,7 +30,8 @@ urdf: the text of a URDF (the parameter robot_description). Mesh files are found
     (package:// by ROS_PACKAGE_PATH) and read by processes of their own.
 frame: the link in whose frame poses are; empty: the root link.
 geometry: 'collision', 'visual' or 'collision_or_visual'.
-Raises ValueError where the URDF is malformed, a link's mesh cannot be read, or no link has one.)";
+Raises ValueError where the URDF is malformed, its joints form no tree or mimic no joint, a link's
+mesh cannot be read, or no link has one.)";
 
 constexpr const char* kPosesText = R"(Returns the poses of all links for joint positions.
 

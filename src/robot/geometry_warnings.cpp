@@ -1,7 +1,9 @@
-// Warns about links that are usable but unusual: their size, triangles, non-finite vertices.
+// Warns about links that are usable but unusual: their size, triangles, non-finite vertices; and
+// about joints that do not hang together.
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <sstream>
 
 #include "robot/robot_geometry.h"
@@ -56,12 +58,26 @@ std::string unmonitoredLinks(const RobotGeometry& robot) {
          "; set geometry to collision_or_visual to monitor them";
 }
 
+// Names what urdfdom accepts of the joints. Links stand where TF says all the same.
+std::vector<std::string> jointWarnings(const std::vector<RobotJoint>& joints) {
+  std::vector<std::string> warnings;
+  std::set<std::string> said;  // joints of one loop have one problem
+  for (const RobotJoint& joint : joints) {
+    for (const std::string& problem : {joint.tree_problem, joint.mimic_problem}) {
+      if (problem.empty() || !said.insert(problem).second) continue;
+      warnings.push_back(problem +
+                         "; links stand where TF says, but a question that moves these is refused");
+    }
+  }
+  return warnings;
+}
+
 }  // namespace
 
 double linkLengthM(const LinkGeometry& link) { return measure(link.mesh).largest_m; }
 
 std::vector<std::string> geometryWarnings(const RobotGeometry& robot) {
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings = jointWarnings(robot.joints);
   if (!robot.unmonitored_links.empty()) warnings.push_back(unmonitoredLinks(robot));
   for (const LinkGeometry& link : robot.links) {
     if (!link.problem.empty()) continue;

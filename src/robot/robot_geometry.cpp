@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "robot/joint_problems.h"
 #include "robot/nearest_name.h"
 #include "robot/primitives.h"
 #include "robot/source_mesh.h"
@@ -112,6 +113,7 @@ UrdfDocument readDescription(const RobotDescription& robot, GeometryKind kind) {
     }
     if (!joint.mimics.empty()) joint.mimics.insert(0, robot.link_prefix);
   }
+  findJointProblems(&document.joints);
   return document;
 }
 

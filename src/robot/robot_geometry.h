@@ -79,10 +79,11 @@ RobotGeometry loadRobotGeometry(const std::string& urdf_xml, const RobotGeometry
 // Returns the longest side of the box around the link's finite vertices [m]; 0 if it has none.
 double linkLengthM(const LinkGeometry& link);
 
-// Returns one line for each fact about a robot that its owner should know: links that are not
-// monitored because their geometry is of the other kind; and usable links that are longer than 10 m
-// or shorter than 1 mm, have more than 200 000 triangles or vertices that are not finite, or whose
-// files have something unusual.
+// Returns one line for each fact about a robot that its owner should know: joints that form a loop
+// or give a link several parents, or mimic what is no joint; links that are not monitored because
+// their geometry is of the other kind; and usable links that are longer than 10 m or shorter than 1
+// mm, have more than 200 000 triangles or vertices that are not finite, or whose files have
+// something unusual.
 std::vector<std::string> geometryWarnings(const RobotGeometry& robot);
 
 }  // namespace deformable_contact_monitor

@@ -24,6 +24,9 @@ struct RobotJoint {
   // A mimic joint is at multiplier * position + offset of that joint; empty: it is none.
   std::string mimics{};
   double multiplier = 1, offset = 0;
+  // Why nothing tells where the joint's links are: a link has several parents, or there is a loop.
+  std::string tree_problem{};
+  std::string mimic_problem{};  // why nothing tells which joint a mimic joint follows
 
   // Returns whether one number is the joint's position.
   bool hasPosition() const {

@@ -45,6 +45,14 @@ std::string typeProblem(const RobotJoint& joint) {
   }
 }
 
+// Throws std::invalid_argument if nothing tells how a joint moves its link.
+void requireSound(const RobotJoint& joint, bool is_driven) {
+  if (!joint.tree_problem.empty()) throw std::invalid_argument(joint.tree_problem);
+  if (!is_driven && !joint.mimic_problem.empty()) {
+    throw std::invalid_argument(joint.mimic_problem + "; name it too, or correct the URDF");
+  }
+}
+
 // Returns all joints, each after the joint of its parent link.
 std::vector<const RobotJoint*> parentsFirst(const std::vector<RobotJoint>& joints) {
   std::multimap<std::string, const RobotJoint*> below;
@@ -54,7 +62,9 @@ std::vector<const RobotJoint*> parentsFirst(const std::vector<RobotJoint>& joint
     children.insert(joint.child);
   }
   std::vector<const RobotJoint*> ordered;
+  std::set<std::string> done;  // a link of several parents could be in a loop
   const auto add_below = [&](const std::string& link) {
+    if (!done.insert(link).second) return;
     const auto [first, last] = below.equal_range(link);
     for (auto found = first; found != last; ++found) ordered.push_back(found->second);
   };
@@ -118,6 +128,7 @@ JointMotion::JointMotion(const std::vector<RobotJoint>& joints,
   for (const RobotJoint* joint : parentsFirst(joints)) {
     const std::optional<Drive> drive = driveOf(*joint, by_name);
     if (!drive && steps.count(joint->parent) == 0) continue;
+    requireSound(*joint, drive.has_value());
     addLink(*joint, drive, steps);
     steps.emplace(joint->child, steps_.size() - 1);
   }
@@ -140,6 +151,7 @@ void JointMotion::nameJoints(const JointsByName& joints, const std::vector<std::
     }
     const RobotJoint& joint = *found->second;
     if (!joint.hasPosition()) throw std::invalid_argument(typeProblem(joint));
+    requireSound(joint, true);
     if (!index_of_.emplace(name, limits_.size()).second) {
       throw std::invalid_argument("joint '" + name + "' is named twice");
     }

@@ -29,8 +29,8 @@ class JointMotion {
  public:
   // Throws std::invalid_argument, naming the joint and a similar one, for a name that no joint has,
   // that is there twice, that joints of two robots have, or whose joint is fixed, planar or
-  // floating, as no single number is its position; and for a joint whose axis or origin cannot be
-  // used.
+  // floating, as no single number is its position; and for a joint that moves a link while its axis
+  // or origin cannot be used, it has a tree_problem, or a mimic_problem and is not named.
   JointMotion(const std::vector<RobotJoint>& joints, const std::vector<std::string>& names);
   JointMotion(JointMotion&&) noexcept;
   JointMotion& operator=(JointMotion&&) noexcept;

@@ -41,7 +41,13 @@ Eigen::Isometry3d placeAtOrigins(const std::vector<RobotJoint>& joints, const st
   return place;
 }
 
+// Throws std::invalid_argument if nothing tells how joints move or follow others.
 std::vector<RobotJoint> movableJoints(const std::vector<RobotJoint>& joints) {
+  for (const RobotJoint& joint : joints) {
+    for (const std::string& problem : {joint.tree_problem, joint.mimic_problem}) {
+      if (!problem.empty()) throw std::invalid_argument("robot description: " + problem);
+    }
+  }
   std::vector<RobotJoint> movable;
   std::copy_if(joints.begin(), joints.end(), std::back_inserter(movable),
                [](const RobotJoint& j) { return j.hasPosition() && j.mimics.empty(); });

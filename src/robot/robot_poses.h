@@ -19,7 +19,8 @@ namespace deformable_contact_monitor {
 class RobotPoses {
  public:
   // Poses will be in the frame of this link of the first robot; empty: of its root link. Throws
-  // std::invalid_argument if it is no link, and as JointMotion does.
+  // std::invalid_argument if it is no link, if a joint has a tree_problem or a mimic_problem, and
+  // as JointMotion does.
   RobotPoses(const RobotGeometry& robot, std::string frame);
 
   // Returns the joints that have a position of their own, by name. Mimic joints follow them.

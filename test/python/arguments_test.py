@@ -109,8 +109,9 @@ class Arrays(unittest.TestCase):
             scene.set_pair_enabled(0, 1, False)
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            with self.assertRaisesRegex(RuntimeWarning, "no pair"):
-                detector.detect(scene)
+            for without_pairs in scene, Scene():
+                with self.assertRaisesRegex(RuntimeWarning, "no pair"):
+                    detector.detect(without_pairs)
 
     def test_what_was_passed_may_change(self):
         vertices = numpy.array(PIERCING, "f4")

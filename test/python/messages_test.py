@@ -206,7 +206,7 @@ class Refusals(unittest.TestCase):
         for index in -1, 2**32:
             self.refused("DeformableMesh.triangles has a number that uint32 cannot hold",
                          mesh(triangles=numpy.array([[0, 1, index]])))
-        self.refused("DeformableMesh.triangles has a number that uint32 cannot hold",
+        self.refused("DeformableMesh.triangles is of float64, must be of uint32",
                      mesh(triangles=[[0.0, 1, 2]]))
         self.refused("DeformableMesh.vertices is of complex128, must be of float32",
                      mesh(vertices=[[1j, 0, 0]]))

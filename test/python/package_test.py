@@ -113,7 +113,8 @@ class Imports(unittest.TestCase):
             "try: messages.ContactArray\n"
             "except ImportError: pass\n"
             "else: raise SystemExit('no error')\n"
-            "deformable_contact.Detector('cpu').detect(deformable_contact.Scene())\n")
+            "deformable_contact.Detector('cpu').detect(deformable_contact.Scene())\n",
+            PYTHONWARNINGS="ignore")
         self.assertEqual((done.returncode, done.stdout), (0, ""))
 
     def test_without_a_device(self):
@@ -123,7 +124,8 @@ class Imports(unittest.TestCase):
             "print(detector.detect(Scene()).backend, bool(detector.backend_problem))\n"
             "print(Detector('cpu').backend_problem == '')\n"
             "try: Detector('cuda')\n"
-            "except RuntimeError as error: print(error)\n", CUDA_VISIBLE_DEVICES="")
+            "except RuntimeError as error: print(error)\n", CUDA_VISIBLE_DEVICES="",
+            PYTHONWARNINGS="ignore")
         self.assertRegex(done.stdout, r"\Acpu True\nTrue\n[^\n]*CUDA[^\n]*\n\Z")
 
     def test_names(self):

@@ -251,6 +251,14 @@ class Robots(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "left_jaw: .*none.stl"):
             deformable_contact.Robot(self.URDF.replace(
                 '<box size="0.004 0.002 0.012"/>', '<mesh filename="file:///none.stl"/>', 1))
+        for broken, problem in (
+                (self.URDF.replace('<mimic joint="jaw"', '<mimic joint="jw"'),
+                 "joint '[^']*' mimics 'jw', but there is no joint 'jw'"),
+                (self.URDF.replace("</robot>", '<joint name="again" type="fixed">'
+                                   '<parent link="base"/><child link="wrist"/></joint></robot>'),
+                 "link 'wrist' has several parents, by the joints 'again', 'roll'")):
+            with self.assertRaisesRegex(ValueError, "robot description: " + problem):
+                deformable_contact.Robot(broken)
         robot = deformable_contact.Robot(self.URDF)
         with self.assertRaisesRegex(ValueError, r"shape \(n, 5\).* but have \(1, 4\)"):
             robot.poses([[0] * 4])

@@ -8,7 +8,10 @@
 #include <algorithm>
 #include <map>
 #include <random>
+#include <set>
+#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "refusal.h"
@@ -211,6 +214,78 @@ TEST(RobotKinematics, BadJointsAreRefusedByName) {
 
 RobotGeometry robotOf(const std::string& urdf) {
   return loadRobotGeometry(urdf, {}, [](const std::string& uri) { return uri; });
+}
+
+// Returns a robot of these joints, "type name parent child [joint that it mimics]".
+RobotGeometry robotOfJoints(const std::vector<std::string>& joints) {
+  std::string text, links;
+  std::set<std::string> names;
+  for (const std::string& joint : joints) {
+    std::istringstream words(joint);
+    std::string type, name, parent, child, mimics;
+    words >> type >> name >> parent >> child >> mimics;
+    names.insert({parent, child});
+    text += "<joint name='" + name + "' type='" + type + "'><parent link='" + parent +
+            "'/><child link='" + child + "'/><axis xyz='0 0 1'/><limit lower='-1' upper='1' " +
+            "effort='1' velocity='1'/>" +
+            (mimics.empty() ? "" : "<mimic joint='" + mimics + "' offset='0.1'/>") + "</joint>";
+  }
+  for (const std::string& name : names) links += "<link name='" + name + "'/>";
+  return robotOf("<robot name='r'>" + links + text + "</robot>");
+}
+
+// Returns why a question that names `joint`, and poses of all links, are refused.
+std::pair<std::string, std::string> refusals(const RobotGeometry& robot, const std::string& joint) {
+  std::string of_all = refusal([&] { RobotPoses(robot, ""); });
+  for (const std::string& warning : geometryWarnings(robot)) {
+    EXPECT_NE(warning.find("; links stand where TF says"), std::string::npos);
+  }
+  return {refusal([&] { JointMotion(robot.joints, {joint}); }), of_all};
+}
+
+TEST(RobotKinematics, AMimicOfNoJointIsRefusedByNameWhereItWouldBeMoved) {
+  const std::string arm = "revolute arm base upper", turn = "revolute turn base table";
+  for (const auto& [mimics, why] :
+       std::map<std::string, std::string>{{"amr", "'amr', but there is no joint 'amr'"},
+                                          {"slide", "itself"},
+                                          {"turn2", "'turn2', but there is no joint 'none'"},
+                                          {"round", "'round', and that leads round in a circle"},
+                                          {"still", "'still', and 'still' has no position"}}) {
+    const RobotGeometry robot = robotOfJoints(
+        {arm, turn, "prismatic slide upper hand " + mimics, "revolute turn2 table a none",
+         "revolute round table b round2", "revolute round2 table c round", "fixed still table d"});
+    const std::string text = "joint 'slide' mimics " + why;
+    EXPECT_EQ(refusals(robot, "arm").first, text + "; name it too, or correct the URDF");
+    EXPECT_EQ(refusals(robot, "slide").first, "");
+    EXPECT_EQ(refusal([&] { JointMotion(robot.joints, {"arm", "slide"}); }), "");
+    const std::vector<std::string> warnings = geometryWarnings(robot);
+    EXPECT_EQ(std::count_if(warnings.begin(), warnings.end(),
+                            [&](const std::string& line) { return line.find(text + ";") == 0; }),
+              1);
+    const RobotGeometry alone = robotOfJoints({arm, turn, "prismatic slide upper hand amr"});
+    EXPECT_EQ(refusals(alone, "turn"),
+              std::make_pair(std::string(), std::string("robot description: joint 'slide' mimics "
+                                                        "'amr', but there is no joint 'amr'")));
+  }
+  EXPECT_EQ(refusals(robotOfJoints({arm, "prismatic slide upper hand arm"}), "arm"),
+            std::make_pair(std::string(), std::string()));
+}
+
+TEST(RobotKinematics, LoopsAndLinksOfSeveralParentsAreRefusedByName) {
+  const std::string ok = "revolute ok base side", ja = "revolute ja base a";
+  for (const auto& [joints, why] : std::map<Names, std::string>{
+           {{ok, ja, "revolute jb b b", "revolute jc b c"}, "joint 'jb' joins a link to itself"},
+           {{ok, ja, "revolute jb c b", "revolute jc b c"}, "joints 'jb', 'jc' form a loop"},
+           {{ok, ja, "revolute jb a b", "revolute jc base b"},
+            "link 'b' has several parents, by the joints 'jb', 'jc'"},
+           // The loop can be reached, so whoever follows it must end.
+           {{ok, ja, "revolute jb a b", "revolute jc b a"},
+            "link 'a' has several parents, by the joints 'ja', 'jc'"}}) {
+    const RobotGeometry robot = robotOfJoints(joints);
+    EXPECT_EQ(refusals(robot, "ok"), std::make_pair(std::string(), "robot description: " + why));
+    EXPECT_EQ(refusals(robot, "jb").first, why);
+    EXPECT_EQ(geometryWarnings(robot).size(), 1U) << why;
+  }
 }
 
 TEST(RobotPosesTest, AllLinksFollowTheJointsFromTheFrameThatIsAskedFor) {

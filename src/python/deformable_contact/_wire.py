@@ -136,11 +136,12 @@ class Array:
             raise ValueError("has shape %s, must be (n%s)" % (
                 given.shape, "".join(", %d" % size for size in self._row) or ","))
         if given.dtype != self._dtype:
-            if self._dtype.names or given.dtype.kind not in "biuf":
+            is_whole = self._dtype.kind in "iu"
+            if self._dtype.names or given.dtype.kind not in ("biu" if is_whole else "biuf"):
                 raise ValueError("is of %s, must be of %s" % (given.dtype, self._dtype))
-            if self._dtype.kind in "iu" and given.size:
+            if is_whole and given.size:
                 limits = numpy.iinfo(self._dtype)
-                if given.dtype.kind == "f" or given.min() < limits.min or given.max() > limits.max:
+                if given.min() < limits.min or given.max() > limits.max:
                     raise ValueError("has a number that %s cannot hold" % self._dtype.name)
         return numpy.ascontiguousarray(given, self._dtype)
 
