@@ -130,11 +130,13 @@ std::vector<OrderedMessage> recordedOrder(const std::string& path,
   if (!hasRestarts(messages, decisive)) return {};
   sortParts(&messages);
   std::vector<OrderedMessage> order;
-  std::int64_t shift_ns = 0, newest_ns = messages.front().received_ns;
+  std::int64_t shift_ns = 0, newest_ns = messages.front().received_ns - 1;
+  std::size_t part = 0;
   for (const IndexedMessage& message : messages) {
-    // Only the first message of a part is behind the one before it.
-    shift_ns = std::max(shift_ns, newest_ns - message.received_ns);
-    newest_ns = message.received_ns + shift_ns;
+    if (message.part > part) shift_ns = newest_ns - message.received_ns;
+    part = message.part;
+    // No two are equal, so that those before the clock went back can be told from those after it.
+    newest_ns = std::max(newest_ns + 1, message.received_ns + shift_ns);
     ros::Time received;
     received.fromNSec(static_cast<std::uint64_t>(newest_ns));
     order.push_back({message.connection, message.rank, received});

@@ -16,7 +16,7 @@ namespace deformable_contact_monitor {
 struct OrderedMessage {
   std::uint32_t connection = 0;
   std::size_t rank = 0;
-  ros::Time received;  // where the clock went back, the time goes on from where it was
+  ros::Time received;  // rises: where the clock went back, it goes on from where it was
 };
 
 // Returns the messages of these connections in the order in which they were recorded, if the times

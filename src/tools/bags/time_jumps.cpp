@@ -17,12 +17,35 @@ constexpr double kLongestPauseS = 600;  // of a source [s]
 constexpr double kUntilCertainS = 1;    // stamps are elsewhere for this long after a jump [s]
 constexpr double kClocksDifferS = 5;    // stamps of one clock differ less when received [s]
 constexpr double kRecentS = 5;          // messages are remembered for so long [s]
-// After so many messages a source that goes back once more has jumped twice.
+// After so many messages, or kUntilCertainS, a source that goes back once more has jumped twice.
 constexpr std::size_t kFewest = 3;
 
 }  // namespace
 
 double TimeJumps::Source::backBy() const { return secondsBetween(newest, odd.stamp); }
+
+// Returns the first stamp that does not fit, or the end if that is not remembered yet.
+std::deque<TimeJumps::Message>::const_iterator TimeJumps::Source::firstOdd() const {
+  return std::find_if(recent.begin(), recent.end(), [this](const Message& message) {
+    return message.received > odd.received ||
+           (message.received == odd.received && message.stamp == odd.stamp);
+  });
+}
+
+// Unlike backBy(), this does not depend on how often the source sends.
+double TimeJumps::Source::clockBackBy() const {
+  const auto first = firstOdd();
+  if (first == recent.begin()) return backBy();
+  const Message& before = *std::prev(first);
+  return secondsBetween(before.stamp, odd.stamp) + secondsBetween(odd.received, before.received);
+}
+
+// Returns whether this source went back by as much as another one, and shortly before it.
+bool TimeJumps::Source::precedes(const Source& other) const {
+  const double earlier_s = secondsBetween(other.odd.received, odd.received);
+  return isBack() && earlier_s >= 0 && earlier_s < kOrderS &&
+         std::abs(clockBackBy() - other.clockBackBy()) < kOrderS;
+}
 
 void TimeJumps::Source::beginAnew(const ros::Time& stamp) {
   newest = stamp;
@@ -34,6 +57,19 @@ void TimeJumps::Source::beginAnew(const ros::Time& stamp) {
 void TimeJumps::Source::addOdd(const Message& message) {
   if (odd_count++ == 0) odd = message;
   last_odd = message;
+}
+
+// Begins anew after a jump. The clock may have gone back once more since, and then the stamps from
+// there on are odd again.
+void TimeJumps::Source::beginAfterJump() {
+  const auto last = std::adjacent_find(
+      firstOdd(), recent.cend(), [](const Message& before, const Message& after) {
+        return secondsBetween(after.stamp, before.stamp) < -kOrderS;
+      });
+  if (last == recent.cend()) return beginAnew(last_odd.stamp);
+  beginAnew(last->stamp);
+  std::for_each(std::next(last), recent.cend(),
+                [this](const Message& message) { addOdd(message); });
 }
 
 // Always keeps the last message of before that time, for sources that are slow.
@@ -81,7 +117,9 @@ TimeJumps::Fit TimeJumps::fitOf(const std::string& name, Source* source, const M
   }
   const bool falls =
       source->isOdd() && secondsBetween(message.stamp, source->last_odd.stamp) < -kOrderS;
-  if (falls && is_back && source->odd_count >= kFewest && jump(name)) {
+  const bool is_certain = source->odd_count >= kFewest ||
+                          secondsBetween(message.received, source->odd.received) >= kUntilCertainS;
+  if (falls && is_back && is_certain && jump(name)) {
     return fitOf(name, source, message);
   }
   const bool is_other =
@@ -104,11 +142,13 @@ bool TimeJumps::isLeftover(const Source& source, const Message& message) const {
 }
 
 // Returns whether another source of the same clock goes on since the stamps of this one went back.
+// One that went back with it says nothing.
 bool TimeJumps::isContradicted(const std::string& name) const {
   const Source& source = sources_.at(name);
   const ros::Time& since = source.odd.received;
   for (const auto& [other_name, other] : sources_) {
-    if (other_name == name || other.recent.empty() || other.recent.back().received <= since) {
+    if (other_name == name || other.recent.empty() || other.recent.back().received <= since ||
+        other.precedes(source)) {
       continue;
     }
     const auto after =
@@ -140,7 +180,7 @@ bool TimeJumps::jump(const std::string& name) {
   for (auto& [other_name, other] : sources_) {
     if (other.isBack()) {
       if (other.odd.received > jump.received) jump.later[other_name] = other.odd.received;
-      other.beginAnew(other.last_odd.stamp);
+      other.beginAfterJump();
     } else if (!other.recent.empty()) {
       other.beginAnew(other.recent.back().stamp);
       other.is_awaited = other.recent.back().received <= jump.received;

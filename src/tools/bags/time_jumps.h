@@ -64,7 +64,11 @@ class TimeJumps {
     bool isOdd() const { return !odd.stamp.isZero(); }
     bool isBack() const { return isOdd() && odd.stamp < newest; }
     double backBy() const;
+    std::deque<Message>::const_iterator firstOdd() const;
+    double clockBackBy() const;
+    bool precedes(const Source& other) const;
     void beginAnew(const ros::Time& stamp);
+    void beginAfterJump();
     void addOdd(const Message& message);
     void remember(const Message& message);
   };

@@ -315,15 +315,36 @@ std::string statesOfEpisodes(double episode_s, bool recorder_restarts, double me
   return statesOf(&bag, urdf("prismatic", 0.1));
 }
 
+// The last message of an episode is a mesh or a transform.
 TEST(RecordedTime, ShortEpisodesAreApart) {
   for (const double episode_s : {0.75, 2.0, 3.0, 3.5, 5.0}) {
     const int count = static_cast<int>(episode_s / kPeriod);
     for (const bool recorder_restarts : {false, true}) {
-      EXPECT_EQ(statesOfEpisodes(episode_s, recorder_restarts),
-                times(count, '-') + times(count, 'C') + times(2 * count, '-'))
-          << episode_s << recorder_restarts;
+      for (const double mesh_late_s : {0.01, -0.01}) {
+        EXPECT_EQ(statesOfEpisodes(episode_s, recorder_restarts, mesh_late_s),
+                  times(count, '-') + times(count, 'C') + times(2 * count, '-'))
+            << episode_s << recorder_restarts << mesh_late_s;
+      }
     }
   }
+}
+
+// A recorder's simulated time has steps, and is still that of before for the first messages.
+TEST(RecordedTime, ARecorderWhoseClockGoesBackLate) {
+  constexpr int kCount = 24;
+  WrittenBag bag;
+  bag.camera(0, 0);
+  ros::Time received;
+  for (int episode = 0; episode < 3; ++episode) {
+    for (int i = 1; i <= kCount; ++i) {
+      const ros::Time stamp(1000 + kPeriod * i);
+      if (episode == 0 || i > 1) received = ros::Time(1000 + 2 * kPeriod * (i / 2));
+      bag.transform("/tf", received, stamp, "finger", episode == 1 ? 0 : 1);
+      bag.mesh(received, stamp, "cloth");
+    }
+  }
+  EXPECT_EQ(statesOf(&bag, urdf("prismatic", 0.1)),
+            times(kCount, '-') + times(kCount, 'C') + times(kCount, '-'));
 }
 
 // What is recorded after the clock went back, and was sent before, belongs to what it was sent

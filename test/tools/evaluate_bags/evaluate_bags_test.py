@@ -8,9 +8,12 @@ import json
 import os
 import re
 import runpy
+import shutil
 import signal
 import subprocess
 from unittest import mock
+
+import rosbag
 
 from fleet_case import (
     CONFIG, CUT, EXPECTATIONS, FAR, FLEET_TOOL, TOOL, WHOLE, FleetCase, main, processes)
@@ -101,6 +104,27 @@ class EvaluateBags(FleetCase):
         with open(self.path("attempts")) as file:
             self.assertEqual(file.read().count("attempt"), 3)
         self.assertIn("bad.bag: crashed: ", out)
+
+    def test_a_recording_that_never_ended_is_refused(self):
+        """`rosbag record` left it when it was killed. First a whole bag is beside it."""
+        self.bag("bags/good.bag")
+        dead = self.path("bags/lab/dead.bag.active")
+        with rosbag.Bag(self.path("dead"), "w") as bag:
+            for received, topic, message in self.events:
+                bag.write(topic, message, received)
+            bag.flush()
+            shutil.copy(self.path("dead"), dead)
+        for other in ({"good.bag": "passed"}, {}):
+            code, out, errors = self.call_tool(
+                self.options("fleet", "--workers", "1", "--no-report")["args"][1:])
+            self.assertEqual(code, 2, out + errors)
+            self.assertEqual(self.states(self.fleet("fleet")),
+                             {"lab/dead.bag.active": "refused", **other})
+            self.assertRegex(out, r"lab/dead\.bag\.active: refused: [^\n]* mend it with: "
+                             f"rosbag reindex {dead}\n")
+            self.assertIn(f"Failed: 1 of {1 + len(other)} bags could not", out)
+            with contextlib.suppress(FileNotFoundError):
+                os.remove(self.path("bags/good.bag"))
 
     def test_what_cannot_be_judged_now_costs_no_earlier_result(self):
         """First no job can start, as on a worker that does not see the package; then a bag is away;

@@ -34,7 +34,8 @@ def _parser():
     parser = argparse.ArgumentParser("evaluate_bags", description=DESCRIPTION, epilog=EPILOG,
                                      allow_abbrev=False)
     parser.add_argument("bags", nargs="+", metavar="BAG_OR_FOLDER",
-                        help="bags, each a recording of its own; a folder stands for every *.bag in and below it")
+                        help="bags, each a recording of its own; a folder stands for every *.bag "
+                             "and *.bag.active in and below it")
     parser.add_argument("--out", required=True, metavar="DIR",
                         help="folder to write to; all workers must see it")
     workers = parser.add_mutually_exclusive_group()

@@ -2,6 +2,8 @@
 import os
 
 SUFFIX = ".bag"
+# evaluate_bag refuses a bag that its recorder never closed, and says how to mend it.
+UNFINISHED = SUFFIX + ".active"
 
 
 class BagsError(Exception):
@@ -16,7 +18,7 @@ def _below(folder):
     for at, folders, files in os.walk(folder, onerror=_refuse):
         folders.sort()
         for file in sorted(files):
-            if file.endswith(SUFFIX):
+            if file.endswith((SUFFIX, UNFINISHED)):
                 yield os.path.join(at, file)
 
 
