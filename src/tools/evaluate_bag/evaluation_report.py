@@ -22,14 +22,36 @@ except ImportError as error:
 
 MOST_ROWS = 40  # of the timeline
 MOST_LINES = 10  # of the distances
+MOST_POINTS = 2000  # of a line, about as many as a screen has columns
 COLORS = {"CONTACT": "#c62828", "NEAR": "#f9a825", "UNKNOWN": "#bdbdbd", "ALLOWED": "#90caf9",
           "PASSED": "#6a1b9a"}
 HERE = os.path.dirname(os.path.realpath(__file__))
 
 
-def read_table(path):
+def rows_in(path):
+    """Yields the rows, for a recording of an hour may have millions."""
     with open(path, newline="", errors="replace") as file:
-        return list(csv.DictReader(file))
+        yield from csv.DictReader(file)
+
+
+def read_table(path):
+    return list(rows_in(path))
+
+
+def drawn(line):
+    """Returns about MOST_POINTS of a line's (x, y). Of each stretch that it thins out it keeps the
+    least y, the largest, and a gap (NaN) if there is one."""
+    size = math.ceil(3 * len(line) / MOST_POINTS)
+    if size <= 3:
+        return line
+    kept = []
+    for begin in range(0, len(line), size):
+        stretch = range(begin, min(begin + size, len(line)))
+        known = [i for i in stretch if not math.isnan(line[i][1])]
+        gap = [i for i in stretch if math.isnan(line[i][1])][:1]
+        ends = [choose(known, key=lambda i: line[i][1]) for choose in (min, max) if known]
+        kept += [line[i] for i in sorted({*ends, *gap})]
+    return kept
 
 
 def to_svg(figure):
@@ -39,6 +61,11 @@ def to_svg(figure):
     plt.close(figure)
     text = out.getvalue()
     return Markup(text[text.index("<svg"):])
+
+
+def points_of(xs, ys):
+    """Returns what is drawn of a line, as xs and ys."""
+    return zip(*drawn(list(zip(xs, ys))))
 
 
 def runs_of(frames):
@@ -58,7 +85,8 @@ def plot_latency(runs):
     for i, (name, rows) in enumerate(runs.items()):
         for column, style in (("detect_ms", "-"), ("round_trip_ms", ":")):
             times = sorted(float(row[column]) for row in rows)
-            shares = [(k + 1) / len(times) for k in range(len(times))]
+            line = drawn([((k + 1) / len(times), ms) for k, ms in enumerate(times)])
+            shares, times = zip(*line)
             label = f"{name}: " + ("detection" if style == "-" else "from host to host")
             axes.step(times, shares, style, where="post", color=f"C{i}", label=label)
     axes.set(xlabel="time of a cycle [ms]", ylabel="share of cycles", ylim=(0, 1.02))
@@ -73,16 +101,17 @@ def plot_pairs(runs, start):
     for name, rows in runs.items():
         # Where a body was unknown, its pairs are missing, so the count would mislead.
         pairs = [math.nan if row["skipped"] else int(row["pairs"]) for row in rows]
-        line, = axes.plot(since(rows, start), pairs, lw=1, label=name)
+        line, = axes.plot(*points_of(since(rows, start), pairs), lw=1, label=name)
         if "swept_pairs" in rows[0]:
             swept = [math.nan if row["swept_complete"] == "no" else int(row["swept_pairs"])
                      for row in rows]
-            axes.plot(since(rows, start), swept, ":", lw=1, color=line.get_color(),
+            axes.plot(*points_of(since(rows, start), swept), ":", lw=1, color=line.get_color(),
                       label=f"{name}: since the cycle before")
     first = next(iter(runs.values()))
     unknown = [t for t, row in zip(since(first, start), first) if row["skipped"]]
     if unknown:
-        axes.plot(unknown, [0] * len(unknown), "|", color="#888", ms=8, label="some body unknown")
+        axes.plot(*points_of(unknown, [0] * len(unknown)), "|", color="#888", ms=8,
+                  label="some body unknown")
     axes.set(xlabel="time since the first cycle [s]", ylabel="triangle pairs")
     axes.set_ylim(bottom=0)
     axes.grid(alpha=.3)
@@ -161,8 +190,9 @@ def plot_distances(lines, start):
     figure, axes = plt.subplots(figsize=(9, 3.2))
     for bodies, line in shown:
         # A marker shows a distance that is known in one cycle alone.
-        axes.plot([stamp - start for stamp, _ in line], [distance for _, distance in line], ".-",
-                  ms=2, lw=1, label=" / ".join(bodies))
+        points = drawn(line)
+        axes.plot([stamp - start for stamp, _ in points], [distance for _, distance in points],
+                  ".-", ms=2, lw=1, label=" / ".join(bodies))
     axes.set(xlabel="time since the first cycle [s]", ylabel="least distance [m]")
     axes.set_ylim(bottom=0)
     axes.grid(alpha=.3)
@@ -246,7 +276,7 @@ def report(folder):
         summary = json.load(file)
     runs = runs_of(read_table(os.path.join(folder, "frames.csv")))
     links = read_table(os.path.join(folder, "links.csv"))
-    distances = read_table(os.path.join(folder, "distances.csv"))
+    distances = rows_in(os.path.join(folder, "distances.csv"))
     page = template("report.html.jinja").render(
         summary=summary, first=summary["runs"][0], plots=plots_of(summary, runs, links, distances),
         most_rows=MOST_ROWS, bags=", ".join(os.path.basename(bag) for bag in summary["bags"]))

@@ -2,6 +2,7 @@
 """evaluate_bag as its users see it: the oracle's pairs, tables, the report, and bad input."""
 import importlib.util
 import json
+import math
 import os
 import pathlib
 import re
@@ -269,6 +270,25 @@ class EvaluateBag(EvaluationCase):
         self.assertIn("panda_hand / tshirt", re.sub(r"<!--|-->", "", report))
         stages = re.findall("<!-- (transform|cluster|assign|sort|sweep|narrow_phase|output) -->", report)
         self.assertEqual(stages, ["transform", "cluster", "assign", "sort", "sweep", "narrow_phase", "output"])
+
+    def test_a_long_line_is_drawn_by_few_points_with_its_extremes_and_gaps(self):
+        script = pathlib.Path(TOOL).with_name("evaluation_report.py")
+        spec = importlib.util.spec_from_file_location("evaluation_report", script)
+        report = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(report)
+        for count in (0, 1, report.MOST_POINTS, 3 * report.MOST_POINTS + 1, 100000):
+            line = [(x, math.sin(x / 100)) for x in range(count)]
+            if count > report.MOST_POINTS:
+                line[count // 3] = (count // 3, math.nan)
+                line[count // 2] = (count // 2, -7.0)
+                line[count // 2 + 1] = (count // 2 + 1, 7.0)
+            drawn = report.drawn(line)
+            self.assertLessEqual(len(drawn), report.MOST_POINTS)
+            self.assertEqual(drawn, sorted(drawn, key=lambda point: point[0]))
+            self.assertLessEqual({x for x, _ in drawn}, {x for x, _ in line})
+            if count > report.MOST_POINTS:
+                self.assertLessEqual({count // 3, count // 2, count // 2 + 1},
+                                     {x for x, _ in drawn})
 
     def test_a_disk_that_is_full_leaves_no_half_a_report(self):
         self.evaluate(self.bag(), report=True)
