@@ -67,11 +67,10 @@ std::optional<ClosingEstimate> ClosingSpeed::estimate() const {
 bool ClosingSpeed::isLeaving() const {
   const std::optional<ClosingEstimate> found = estimate();
   if (!found || found->mostMps() >= 0) return false;
-  const double greatest_m =
-      std::max_element(samples_.begin(), samples_.end(), [](const Sample& a, const Sample& b) {
-        return a.distance_m < b.distance_m;
-      })->distance_m;
-  return samples_.back().distance_m >= greatest_m - line()->scatter_m;
+  // A turn bends the distances, which looks like scatter; so none is allowed for here.
+  return std::all_of(samples_.begin(), samples_.end(), [this](const Sample& sample) {
+    return sample.distance_m <= samples_.back().distance_m;
+  });
 }
 
 double scaleByDistance(double distance_m, const GuardParameters& parameters) {

@@ -41,8 +41,8 @@ class ClosingSpeed {
   std::optional<ClosingEstimate> estimate() const;
 
   // Returns whether the distance certainly grows: no approach is left when noise is allowed for,
-  // and the newest distance is not below an earlier one by more than the scatter of the others. So
-  // a pair that turns back counts as leaving no longer at the first state that shows it.
+  // and no distance in the window is larger than the newest. So a pair that turns back counts as
+  // leaving no longer at the first state that shows it.
   bool isLeaving() const;
 
   // Return the time from the oldest to the newest sample; both 0 without samples.

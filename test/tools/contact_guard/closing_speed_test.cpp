@@ -51,6 +51,25 @@ TEST(ClosingSpeedTest, aPairThatLeavesIsKnownAfterThreeStatesAndTurnsAtOnce) {
   EXPECT_FALSE(pair.speed.isLeaving());
 }
 
+// The turn bends the distances: they are not on a line, and have no noise.
+TEST(ClosingSpeedTest, aPairThatBrakesAndTurnsLeavesNoLongerAtTheFirstSmallerDistance) {
+  for (const double braking_mps2 : {2.0, 5.0, 10.0}) {
+    ClosingSpeed speed;
+    double before_m = 0;
+    bool was_leaving = false;
+    for (int i = 0, smaller = 0; smaller < 4; ++i) {
+      const double t_s = i / 60.0;
+      const double distance_m = 0.1 + t_s - braking_mps2 * t_s * t_s / 2;
+      speed.add(kStartNs + i * kPeriodNs / 2, distance_m, 1.0, 2.0);
+      was_leaving |= speed.isLeaving();
+      smaller += distance_m < before_m ? 1 : 0;
+      EXPECT_FALSE(speed.isLeaving() && smaller > 0) << braking_mps2 << ", " << smaller;
+      before_m = distance_m;
+    }
+    EXPECT_TRUE(was_leaving);
+  }
+}
+
 TEST(ClosingSpeedTest, standingStillIsNotLeaving) {
   Pair pair;
   for (int i = 0; i < 8; ++i) pair.add(0.1);

@@ -72,6 +72,33 @@ def judge(wanted, states, age_s=0.0):
     return judge
 
 
+class Parts(unittest.TestCase):
+    """A cloth's own state leaves out its named part, whose vertices may be unknown."""
+
+    def judge(self, wanted, part_state, body="cloth:hem", state=NONE):
+        judge = contact_test.Judge(contact_test.parse({**PAIR, "hold_s": 1.0, **wanted}))
+        for step in range(8):
+            made = near_message(T0 + step / 4, float("inf"), state)
+            made.states.append(ContactState(body_a=body, body_b="palm", state=part_state,
+                                            reason="no vertex", stamp=made.states[1].stamp))
+            if not judge.passed and not judge.failure:
+                judge.take(made, 0.0)
+        return judge
+
+    def test_an_unknown_part_is_neither_none_nor_near_nor_kept(self):
+        for wanted, state in (({"state": "none"}, NONE), ({"state": "near"}, NEAR),
+                              ({"keeps_m": 0.05}, NONE)):
+            judge = self.judge(wanted, UNKNOWN, state=state)
+            self.assertFalse(judge.passed, wanted)
+            self.assertEqual(judge.state.state, UNKNOWN)
+            self.assertTrue(self.judge(wanted, NONE, state=state).passed, wanted)
+
+    def test_other_parts_and_a_certain_contact_count_as_before(self):
+        self.assertTrue(self.judge({"state": "none"}, ALLOWED).passed)
+        self.assertTrue(self.judge({"state": "none"}, UNKNOWN, body="clothes:hem").passed)
+        self.assertTrue(self.judge({"state": "contact"}, UNKNOWN, state=CONTACT).passed)
+
+
 class Parameters(unittest.TestCase):
 
     def test_defaults(self):
