@@ -54,7 +54,7 @@ class NearestAnswer(float):
         answer.has_points = False
         answer.point = answer.other_point = answer.normal = (0.0, 0.0, 0.0)
         if state is not None:
-            answer._tell(state, asked == "*" or _is_of(state.body_a, asked))
+            answer._tell(state, asked == "*" or is_of(state.body_a, asked))
         return answer
 
     @property
@@ -88,7 +88,7 @@ def certain_distance(state, tolerance_m):
     return max(0.0, separation - max(tolerance_m, 0.0))
 
 
-def _is_of(name, body):
+def is_of(name, body):
     """Whether the name is that of the body or of a part of it: "cloth:hem" is one of "cloth"."""
     return name == body or name.startswith(body + ":")
 
@@ -265,7 +265,7 @@ class ContactReader:
 
     def _states_of(self, body):
         return [state for state in self.newest.states
-                if body == "*" or _is_of(state.body_a, body) or _is_of(state.body_b, body)]
+                if body == "*" or is_of(state.body_a, body) or is_of(state.body_b, body)]
 
     def _is_older(self, states):
         if states.header.stamp.to_nsec() == 0:
