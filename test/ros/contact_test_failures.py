@@ -128,9 +128,11 @@ class ContactTestFailures(unittest.TestCase):
             "time_jump": (none, "time jump: stamps went from", {
                 "play": apart,
                 "stamp": lambda now, t: now + rospy.Duration(60 if t > 1 else 0)}),
-            "stops": ({**none, "wait_s": 4}, r"monitor silent: .*, last message [3-9].\d s ago",
+            "stops": (none, r"monitor silent: no message for [3-9].\d s",
                       {"play": lambda t: apart(t) if t < 0.5 else None}),
-            "slow": ({**none, "wait_s": 4}, r"too slow: .*, last message 0.\d s ago",
+            "is_replaced": ({**none, "hold_s": 4}, r"monitor silent: no message for [3-9].\d s",
+                            {"play": lambda t: None if 1 < t < 5 else state("NONE")}),
+            "slow": ({**none, "wait_s": 4}, "too slow: undecided after 5.5 s",
                      {"play": apart, "stamp": lambda now, t: now - rospy.Duration(0.99 * t)})})
 
     def test_a_distance(self):
