@@ -11,7 +11,6 @@
 #include <ros/ros.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
-#include <tf2/buffer_core.h>
 
 #include <atomic>
 #include <chrono>
@@ -28,6 +27,7 @@
 #include "monitor/cycle/loop_requests.h"
 #include "monitor/cycle/rigid_place.h"
 #include "monitor/input/mesh_input.h"
+#include "monitor/input/transform_buffer.h"
 #include "monitor/rules/parameters.h"
 #include "node/input_warnings.h"
 #include "node/master_watch.h"
@@ -104,7 +104,7 @@ class ContactMonitor {
   // above it, and is destroyed before them.
   LoopRequests requests_;
   MeshInputs meshes_;
-  tf2::BufferCore buffer_;
+  TransformBuffer buffer_;
   TransformInput transforms_;  // fills the buffer, in a thread of its own
   StatePublisher states_;
   RobotSource robot_source_;

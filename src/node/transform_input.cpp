@@ -4,6 +4,8 @@
 #include <ros/console.h>
 #include <tf2/exceptions.h>
 
+#include <chrono>
+
 #include "monitor/input/usable_stamp.h"
 #include "monitor/time_difference.h"
 
@@ -11,7 +13,7 @@ namespace deformable_contact_monitor {
 
 // Subscribes to both topics and starts the thread. Static transforms hold at all times, so their
 // stamps are not checked.
-TransformInput::TransformInput(tf2::BufferCore& buffer, const ros::NodeHandle& node)
+TransformInput::TransformInput(TransformBuffer& buffer, const ros::NodeHandle& node)
     : buffer_(buffer), node_(node), spinner_(1, &queue_) {
   node_.setCallbackQueue(&queue_);
   subscribe("/tf", false);
@@ -45,6 +47,7 @@ std::string TransformInput::describePublishers() const {
 void TransformInput::receive(const ros::MessageEvent<const tf2_msgs::TFMessage>& event,
                              bool is_static) {
   const ros::Time now = ros::Time::now();
+  const SteadyTime steady_now = std::chrono::steady_clock::now();
   for (const geometry_msgs::TransformStamped& transform : event.getMessage()->transforms) {
     const ros::Time& stamp = transform.header.stamp;
     if (!is_static && !isUsableStamp(stamp, now)) {
@@ -57,7 +60,7 @@ void TransformInput::receive(const ros::MessageEvent<const tf2_msgs::TFMessage>&
       continue;
     }
     try {
-      buffer_.setTransform(transform, event.getPublisherName(), is_static);
+      buffer_.add(transform, event.getPublisherName(), is_static, steady_now);
     } catch (const tf2::TransformException& error) {
       ROS_WARN_STREAM_THROTTLE(
           1, "a transform is rejected: " << error.what()

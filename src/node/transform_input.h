@@ -4,11 +4,12 @@
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
-#include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <string>
 #include <vector>
+
+#include "monitor/input/transform_buffer.h"
 
 namespace deformable_contact_monitor {
 
@@ -16,7 +17,7 @@ namespace deformable_contact_monitor {
 class TransformInput {
  public:
   // Fills the buffer, which must outlive this.
-  TransformInput(tf2::BufferCore& buffer, const ros::NodeHandle& node);
+  TransformInput(TransformBuffer& buffer, const ros::NodeHandle& node);
 
   // Returns how many nodes publish on the topics, as "2 nodes publish /tf, nobody publishes
   // /tf_static". Any thread.
@@ -28,7 +29,7 @@ class TransformInput {
   // Puts each transform of a message into the buffer. Runs in this class's own thread.
   void receive(const ros::MessageEvent<const tf2_msgs::TFMessage>& event, bool is_static);
 
-  tf2::BufferCore& buffer_;
+  TransformBuffer& buffer_;
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
   std::vector<ros::Subscriber> subscribers_;

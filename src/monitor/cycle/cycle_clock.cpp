@@ -12,9 +12,7 @@ namespace {
 using Duration = std::chrono::steady_clock::duration;
 
 constexpr std::chrono::seconds kHeartbeatPeriod(1);
-constexpr std::chrono::milliseconds kLeftoverWindow(500);
 constexpr std::chrono::milliseconds kRosTimePeriod(10);  // between two looks at ROS time
-constexpr double kClockToleranceS = 0.1;  // the clocks of two machines differ a little
 
 // Returns how much time has passed since the wait began, by ROS time.
 Duration passedOfRosTime(const Wait& wait, const ros::Time& ros_time) {
@@ -62,14 +60,6 @@ double CycleClock::update(const ros::Time& now) {
 double CycleClock::backS(const ros::Time& now) const {
   const double back_s = secondsBetween(ros_time_, now);
   return back_s > kClockToleranceS ? back_s : 0;
-}
-
-void CycleClock::startLeftoverWindow(SteadyTime now) { window_end_ = now + kLeftoverWindow; }
-
-// After a clock went back, messages from before are stamped ahead of it. The window is short, as a
-// publisher's own clock may be ahead as well.
-bool CycleClock::isLeftover(const ros::Time& stamp, SteadyTime now) const {
-  return now < window_end_ && secondsBetween(stamp, ros_time_) > kClockToleranceS;
 }
 
 void CycleClock::startCycle(SteadyTime now) { heartbeat_ = startWait(silence_s_, now); }

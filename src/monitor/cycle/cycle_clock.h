@@ -8,6 +8,7 @@
 
 #include "core/bounds/time_estimates.h"
 #include "core/steady_time.h"
+#include "monitor/input/usable_stamp.h"
 
 namespace deformable_contact_monitor {
 
@@ -53,11 +54,12 @@ class CycleClock {
   // Begins a wait of that length [s].
   Wait startWait(double length_s, SteadyTime now) const;
 
-  // Notes that everything was reset. For half a second, messages from before may still arrive.
-  void startLeftoverWindow(SteadyTime now);
-  // Returns whether a message with that stamp is from before the reset: within that half second,
-  // and stamped ahead of ROS time.
-  bool isLeftover(const ros::Time& stamp, SteadyTime now) const;
+  // Notes that everything was reset, as LeftoverWindow::open() does.
+  void startLeftoverWindow(SteadyTime now) { window_.open(now); }
+  // Returns whether a message with that stamp is from before the reset.
+  bool isLeftover(const ros::Time& stamp, SteadyTime now) const {
+    return window_.isLeftover(stamp, ros_time_, now);
+  }
 
   // Puts the heartbeat off, as a cycle begins.
   void startCycle(SteadyTime now);
@@ -83,7 +85,7 @@ class CycleClock {
   const bool is_simulated_;
   ros::Time ros_time_;
   Wait heartbeat_;
-  SteadyTime window_end_;
+  LeftoverWindow window_;
   UsualTime publishing_;
 };
 

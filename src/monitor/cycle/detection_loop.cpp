@@ -187,7 +187,7 @@ void DetectionLoop::reset(const std::string& reason) {
   scheduler_.clear();
   robots_stamp_ = ros::Time();
   lookup_.noteReset();
-  sources_.transforms.clear();
+  sources_.transforms.forget(time_.steady());
   detector_->reset();
   planner_.forgetAll(reason);
   sink_->forgetStates("", reason);
@@ -266,8 +266,8 @@ void DetectionLoop::lookAtRobotsTime() {
 }
 
 // Returns the stamp of the robot's next cycle: the newest at which the links' transforms are known,
-// or the present if these are too old, so that the cycle says which are, or far ahead of the clock,
-// as such a state would never become too old. Nothing: a cycle of that stamp is done.
+// or the present if these are too old, so that the cycle says which are, or ahead of the clock, as
+// readers take no such state for known. Nothing: a cycle of that stamp is done.
 std::optional<ros::Time> DetectionLoop::nextRobotsStamp() {
   const std::vector<std::string> frames = scene_.framesOfRobotCycle();
   if (frames.empty()) return std::nullopt;
@@ -279,7 +279,7 @@ std::optional<ros::Time> DetectionLoop::nextRobotsStamp() {
   if (newest && of_links && !of_links->isZero()) newest = std::min(*newest, *of_links);
   if (!newest || newest->isZero()) return now.isZero() ? std::nullopt : std::optional(now);
   const double age_s = now.isZero() ? 0 : secondsBetween(now, *newest);
-  if (age_s > window_s || age_s < -kMaxAheadS) return now;
+  if (age_s > window_s || age_s < -kClockToleranceS) return now;
   if (*newest <= robots_stamp_) return std::nullopt;
   robots_stamp_ = *newest;
   return newest;
@@ -441,10 +441,6 @@ CycleReport DetectionLoop::makeReport(const ros::Time& stamp) {
 // Warns of bodies without a transform. ROS_WARN_THROTTLE would not do: ROS time may stand still.
 void DetectionLoop::lookAtTransforms(const TransformReport& transforms) {
   const SteadyTime now = time_.steady();
-  for (const TransformReport::Miss& miss : transforms.misses) {
-    // tf2 prefers a transform from before a time jump, as its stamp is later, so all must go.
-    if (clock_.isLeftover(miss.answer.available, now)) return sources_.transforms.clear();
-  }
   const auto surroundings = [this] {
     return describeSurroundings(sources_.transforms, sources_.transform_publishers);
   };

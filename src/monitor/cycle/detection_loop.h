@@ -2,7 +2,6 @@
 #pragma once
 
 #include <ros/time.h>
-#include <tf2/buffer_core.h>
 
 #include <cstdint>
 #include <functional>
@@ -22,6 +21,7 @@
 #include "monitor/cycle/step_planner.h"
 #include "monitor/cycle/transform_warnings.h"
 #include "monitor/input/mesh_input.h"
+#include "monitor/input/transform_buffer.h"
 #include "monitor/input/transform_lookup.h"
 #include "monitor/rules/parameters.h"
 
@@ -32,7 +32,7 @@ namespace deformable_contact_monitor {
 struct LoopSources {
   LoopRequests& requests;
   MeshInputs& meshes;
-  tf2::BufferCore& transforms;
+  TransformBuffer& transforms;
   // Returns null while there is no robot, and another object when the robot has changed.
   std::function<std::shared_ptr<const RobotGeometry>()> newest_robot;
   // Returns who publishes transforms, as a text for people. May be empty.

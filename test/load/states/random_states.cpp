@@ -79,7 +79,7 @@ class RandomRun {
   ContactStateTracker tracker_;
   LoopRequests requests_{AllowedContacts()};
   MeshInputs meshes_;
-  tf2::BufferCore transforms_;
+  TransformBuffer transforms_{[this] { return world_.now(); }};
   LiveParameters live_;
   bool is_enabled_ = true, in_cycle_ = false, in_tick_ = true;
   std::uint64_t requests_made_ = 0;

@@ -174,7 +174,7 @@ double StateWorld::delay() {
 }
 
 void StateWorld::advance(double seconds, bool holds_transforms, MeshInputs* meshes,
-                         tf2::BufferCore* buffer) {
+                         TransformBuffer* buffer) {
   steady_s_ += seconds;
   clock_s_ += seconds * rate_;
   for (Frame& frame : frames_) {
@@ -198,20 +198,22 @@ void StateWorld::advance(double seconds, bool holds_transforms, MeshInputs* mesh
   for (const Delivery& delivery : due) delivery.deliver();
 }
 
-void StateWorld::sendTransform(Frame* frame, tf2::BufferCore* buffer) {
+void StateWorld::sendTransform(Frame* frame, TransformBuffer* buffer) {
   const ros::Time stamp = now();
   const Sample sample{frame->motion.place(steady_s_), frame->motion.angle(steady_s_)};
   underway_.push_back(
       {steady_s_ + delay(), true, [=] { putTransform(frame, stamp, sample, buffer); }});
 }
 
-// Does what TransformInput does in the node.
+// Does what TransformInput does in the node. What is ahead of the clock was under way when the
+// clock went back, and tells nothing of the time since.
 void StateWorld::putTransform(Frame* frame, const ros::Time& stamp, const Sample& sample,
-                              tf2::BufferCore* buffer) {
+                              TransformBuffer* buffer) {
   if (secondsBetween(stamp, now()) > kMostAheadS || frame->samples.count(stamp) > 0) return;
-  if (!buffer->setTransform(toMessage(frame->parent, frame->name, stamp, sample.place,
-                                      frame->motion.axis, sample.angle),
-                            "test")) {
+  if (!buffer->add(toMessage(frame->parent, frame->name, stamp, sample.place, frame->motion.axis,
+                             sample.angle),
+                   "test", false, steady()) ||
+      secondsBetween(stamp, now()) > kClockToleranceS) {
     return;
   }
   frame->samples[stamp] = sample;
@@ -221,7 +223,7 @@ void StateWorld::putTransform(Frame* frame, const ros::Time& stamp, const Sample
   }
 }
 
-void StateWorld::noteClearedBuffer(tf2::BufferCore* buffer) {
+void StateWorld::noteClearedBuffer(TransformBuffer* buffer) {
   if (buffer->canTransform("base", kSentinel, ros::Time(0))) return;
   for (Frame& frame : frames_) frame.samples.clear();
   buffer->setTransform(toMessage("base", kSentinel, ros::Time(1), {}, {0, 0, 1}, 0), "test");

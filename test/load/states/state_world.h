@@ -4,7 +4,6 @@
 #pragma once
 
 #include <ros/time.h>
-#include <tf2/buffer_core.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -19,6 +18,7 @@
 
 #include "core/rigid_transform.h"
 #include "monitor/input/mesh_input.h"
+#include "monitor/input/transform_buffer.h"
 #include "monitor/rules/parameters.h"
 #include "robot/robot_geometry.h"
 #include "small_shapes.h"
@@ -60,7 +60,7 @@ class StateWorld {
 
   // Lets steady time go on [s], makes what is due by then, and delivers it to `meshes` and
   // `buffer`, unless `holds_transforms`: then transforms wait.
-  void advance(double seconds, bool holds_transforms, MeshInputs* meshes, tf2::BufferCore* buffer);
+  void advance(double seconds, bool holds_transforms, MeshInputs* meshes, TransformBuffer* buffer);
 
   // Lets the clock jump [s], or run at another rate.
   void jump(double seconds) { offset_s_ += seconds; }
@@ -78,7 +78,7 @@ class StateWorld {
   void changeRobot() { variant_ = 1 - variant_; }
 
   // Forgets transforms that the buffer does not have any more. Call it before questions.
-  void noteClearedBuffer(tf2::BufferCore* buffer);
+  void noteClearedBuffer(TransformBuffer* buffer);
 
   // Returns the pose of a frame in "base" by the transforms that were delivered; nothing without
   // transforms on both sides of the stamp.
@@ -130,9 +130,9 @@ class StateWorld {
   bool goesWrong(double share) { return trouble_ > 0 && dice_.chance(trouble_ * share); }
   Motion randomMotion(double reach);
   double delay();
-  void sendTransform(Frame* frame, tf2::BufferCore* buffer);
+  void sendTransform(Frame* frame, TransformBuffer* buffer);
   void putTransform(Frame* frame, const ros::Time& stamp, const Sample& sample,
-                    tf2::BufferCore* buffer);
+                    TransformBuffer* buffer);
   void sendMesh(std::size_t object, MeshInputs* meshes);
   SentMesh newMesh(Object* object, DeformableMesh* message);
   bool spoil(DeformableMesh* message, std::string* problem);

@@ -143,15 +143,20 @@ struct FakeSink : CycleSink {
 };
 
 // Adds a transform from "base": a rotation about z by `angle` [rad].
-inline void addTransform(tf2::BufferCore* buffer, const std::string& frame, double stamp_s,
-                         double angle = 0) {
+inline geometry_msgs::TransformStamped transformAt(const std::string& frame, double stamp_s,
+                                                   double angle = 0) {
   geometry_msgs::TransformStamped t;
   t.header.frame_id = "base";
   t.header.stamp = ros::Time(stamp_s);
   t.child_frame_id = frame;
   t.transform.rotation.z = std::sin(angle / 2);
   t.transform.rotation.w = std::cos(angle / 2);
-  buffer->setTransform(t, "test");
+  return t;
+}
+
+inline void addTransform(tf2::BufferCore* buffer, const std::string& frame, double stamp_s,
+                         double angle = 0) {
+  buffer->setTransform(transformAt(frame, stamp_s, angle), "test");
 }
 
 // Has two objects, 0 "cloth" and 1 "cable", in the reference frame "base". Only pairs of objects
@@ -223,7 +228,7 @@ class LoopTest : public ::testing::Test {
 
   MonitorParameters parameters_;
   LoopRequests requests_{AllowedContacts()};
-  tf2::BufferCore transforms_;
+  TransformBuffer transforms_{[this] { return ros_time_; }};
   std::function<std::shared_ptr<const RobotGeometry>()> robot_source_;
   FakeDetector::Script detector_;
   std::function<std::unique_ptr<Detector>()> make_detector_ = [this] {
