@@ -142,6 +142,26 @@ class ContactGuard(unittest.TestCase):
     def test_stops_while_there_are_no_transforms(self):
         self.check_killed("transforms", "and cloth: UNKNOWN: ")
 
+    def test_stops_while_two_nodes_publish_the_states(self):
+        """This one says that the monitor's pair is allowed to touch."""
+        states = rospy.Publisher("/contact_monitor/contact_states", ContactStates, queue_size=1)
+        self.addCleanup(states.unregister)
+        allowed = ContactState(body_a="panda_hand", body_b="cloth", state=ContactState.ALLOWED)
+
+        def send(_):
+            message = ContactStates(states=[allowed])
+            message.header.stamp = allowed.stamp = rospy.Time.now()
+            states.publish(message)
+        timer = rospy.Timer(rospy.Duration(0.05), send)
+        self.addCleanup(timer.shutdown)
+        self.reason_of(self.at, "two nodes publish contact_monitor/contact_states: "
+                       + " and ".join(sorted(["/contact_monitor", rospy.get_name()])))
+        since, looks = self.at.stops.count(), self.states.count()
+        wait_until(lambda: self.states.count() > looks + 40, "states of both")
+        self.assertEqual({message.data for message in self.at.stops.messages[since:]}, {True})
+        timer.shutdown()
+        until_free(self.at)
+
     def test_a_latched_stop_is_released_when_its_cause_is_gone(self):
         release = rospy.ServiceProxy("/latched/release", Trigger)
         wait_until(lambda: release().success, "the release")

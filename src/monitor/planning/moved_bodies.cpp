@@ -131,36 +131,41 @@ void MovedBodies::findCarrier(const FramePlace& place, const std::vector<RobotJo
   body->is_unclear = true;
 }
 
-std::vector<std::string> MovedBodies::presentFrames() const {
+std::vector<std::string> MovedBodies::presentFrames(const std::set<BodyId>& bodies) const {
   std::set<std::string> frames;
   for (const std::string& link : motion_.presentLinks()) frames.insert(parameters_.frameOf(link));
-  for (const MovedBody& body : bodies_) {
-    if (body.frame.empty()) continue;
+  for (const BodyId id : bodies) {
+    if (id >= bodies_.size() || bodies_[id].frame.empty()) continue;
+    const MovedBody& body = bodies_[id];
     frames.insert({body.frame, parameters_.frameOf(motion_.movedLinks()[body.link])});
   }
   frames.erase(parameters_.reference_frame);
   return {frames.begin(), frames.end()};
 }
 
+// Looks up all bodies, also those that no question is about: it costs little, and nobody mistakes
+// a place that was not looked up for one that is known.
 std::string MovedBodies::lookUp(const ros::Time& t, const TransformLookup& lookup) {
-  std::string problem;
-  const auto at = [&](const std::string& frame) {
+  const auto at = [&](const std::string& frame, std::string* problem) {
     if (frame == parameters_.reference_frame) return RigidTransform();
     const PoseAnswer answer = lookup.lookup({{frame, t}}).front();
-    if (problem.empty()) problem = answer.problem;
+    if (problem->empty()) *problem = answer.problem;
     return answer.pose;
   };
+  std::string of_all;
   std::vector<RigidTransform> present;
   for (const std::string& link : motion_.presentLinks()) {
-    present.push_back(at(parameters_.frameOf(link)));
+    present.push_back(at(parameters_.frameOf(link), &of_all));
   }
   motion_.setPresent(present);
   for (MovedBody& body : bodies_) {
     if (body.frame.empty()) continue;
-    const RigidTransform link = at(parameters_.frameOf(motion_.movedLinks()[body.link]));
-    body.in_link = compose(compose(inverse(link), at(body.frame)), body.in_frame);
+    body.problem.clear();
+    const RigidTransform in_reference = at(body.frame, &body.problem);
+    const std::string link = parameters_.frameOf(motion_.movedLinks()[body.link]);
+    body.in_link = compose(compose(inverse(at(link, &body.problem)), in_reference), body.in_frame);
   }
-  return problem;
+  return of_all;
 }
 
 void MovedBodies::pose(const double* positions, const std::vector<BodyId>& bodies,

@@ -5,6 +5,7 @@
 #include <tf2/buffer_core.h>
 
 #include <cstddef>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -36,15 +37,22 @@ class MovedBodies {
   // reference frame.
   bool isUnclear(BodyId id) const { return id < bodies_.size() && bodies_[id].is_unclear; }
 
-  // Returns the TF frames whose present poses are needed, but for the reference frame.
-  std::vector<std::string> presentFrames() const;
+  // Returns the TF frames whose present poses are needed to pose these bodies, but for the
+  // reference frame.
+  std::vector<std::string> presentFrames(const std::set<BodyId>& bodies) const;
 
-  // Looks up where everything is that the states start from. Returns why it is not known, naming a
-  // frame; empty: it is.
+  // Looks up where everything is that the states start from. Returns why no body can be posed,
+  // naming a frame; empty: all can be posed but those of which problemOf() says why not.
   std::string lookUp(const ros::Time& t, const TransformLookup& lookup);
+  // Returns why lookUp() did not find where a rigid object is in the link that it goes with; empty:
+  // that is known, or the states do not move the body.
+  std::string problemOf(BodyId id) const {
+    return id < bodies_.size() ? bodies_[id].problem : std::string();
+  }
 
   // Writes the poses of `bodies`, which must all be moved, in the reference frame, in their order,
-  // for one position of each named joint. Call lookUp() before.
+  // for one position of each named joint. Call lookUp() before. A body with a problem gets a pose
+  // that means nothing.
   void pose(const double* positions, const std::vector<BodyId>& bodies, RigidTransform* poses);
 
   bool isBeyondLimits(const double* positions) const { return motion_.isBeyondLimits(positions); }
@@ -56,6 +64,7 @@ class MovedBodies {
     std::string frame{};      // of a rigid object, below that of the link; empty: they are the same
     RigidTransform in_frame;  // where the body is in its frame
     RigidTransform in_link;   // where the body is in the link's frame
+    std::string problem{};    // why in_link is not known; empty: it is
   };
 
   void findCarrier(const FramePlace& place, const std::vector<RobotJoint>& joints,

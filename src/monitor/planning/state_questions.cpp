@@ -90,6 +90,29 @@ class MarginOfQuestion {
   std::vector<std::pair<float, std::map<PartId, float>>> own_;
 };
 
+// Leaves out the pairs of moved bodies whose place is not known, until it goes out of scope.
+class UnplacedBodies {
+ public:
+  UnplacedBodies(const std::vector<MonitoredPair>& pairs, const MovedBodies& moved, Scene* scene)
+      : scene_(scene) {
+    for (const MonitoredPair& pair : pairs) {
+      if (!scene->pairEnabled(pair.a, pair.b)) continue;
+      if (moved.problemOf(pair.a).empty() && moved.problemOf(pair.b).empty()) continue;
+      scene->setPairEnabled(pair.a, pair.b, false);
+      left_out_.push_back(pair);
+    }
+  }
+  UnplacedBodies(const UnplacedBodies&) = delete;
+  UnplacedBodies& operator=(const UnplacedBodies&) = delete;
+  ~UnplacedBodies() {
+    for (const MonitoredPair& pair : left_out_) scene_->setPairEnabled(pair.a, pair.b, true);
+  }
+
+ private:
+  Scene* const scene_;
+  std::vector<MonitoredPair> left_out_;
+};
+
 }  // namespace
 
 StateQuestions::StateQuestions(const MonitorParameters& parameters, QuestionSources sources,
@@ -218,6 +241,15 @@ StatesAsked StateQuestions::pairsOf(const StatesToCheck& question, const MovedBo
   return asked;
 }
 
+// Returns the bodies of the pairs that the states decide about.
+std::set<BodyId> StateQuestions::bodiesOf(const StatesAsked& asked) const {
+  std::set<BodyId> bodies;
+  for (const MonitoredPair& pair : scene_.pairs()) {
+    if (!pair.allowed && asked.has(pair)) bodies.insert({pair.a, pair.b});
+  }
+  return bodies;
+}
+
 // Waits for transforms of the meshes, which arrive in another thread, as a cycle does.
 StateQuestions::ObjectMeshes StateQuestions::newestMeshes(const StatesAsked& asked,
                                                           const ros::Time& now,
@@ -225,10 +257,7 @@ StateQuestions::ObjectMeshes StateQuestions::newestMeshes(const StatesAsked& ask
   const bool discards = sources_.requests.inForce().discards;
   ObjectMeshes meshes(sources_.meshes.size());
   std::vector<FrameAtStamp> frames;
-  std::set<BodyId> needed;
-  for (const MonitoredPair& pair : scene_.pairs()) {
-    if (!pair.allowed && asked.has(pair)) needed.insert({pair.a, pair.b});
-  }
+  const std::set<BodyId> needed = bodiesOf(asked);
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     ObjectMesh& one = meshes[i];
     one.mesh = sources_.meshes[i].newest(&one.problem);
@@ -256,30 +285,34 @@ StateQuestions::ObjectMeshes StateQuestions::newestMeshes(const StatesAsked& ask
   return meshes;
 }
 
-// Returns the newest stamp at which TF has all that the states do not move. Static transforms hold
-// at any time, so they count as of now.
+// Returns the newest stamp at which TF has all that the states do not move, but for frames that
+// are too old: their bodies are UNKNOWN. Static transforms hold at any time, so they count as of
+// now.
 ros::Time StateQuestions::presentStamp(const MovedBodies& moved, const StatesAsked& asked,
                                        const ros::Time& now) const {
-  std::vector<std::string> frames = moved.presentFrames();
-  for (const MonitoredPair& pair : scene_.pairs()) {
-    if (pair.allowed || !asked.has(pair)) continue;
-    for (const BodyId id : {pair.a, pair.b}) {
-      if (id >= scene_.firstObject() || asked.moved[id]) continue;
-      const std::string frame = scene_.placeOf(id).frame;
-      if (frame != parameters_.reference_frame) frames.push_back(frame);
-    }
+  const std::set<BodyId> bodies = bodiesOf(asked);
+  std::vector<std::string> frames = moved.presentFrames(bodies);
+  for (const BodyId id : bodies) {
+    if (id >= scene_.firstObject() || asked.moved[id]) continue;
+    const std::string frame = scene_.placeOf(id).frame;
+    if (frame != parameters_.reference_frame) frames.push_back(frame);
   }
-  const ros::Time newest =
-      lookup_.newestCommon(frames, parameters_.max_mesh_age_s).value_or(ros::Time());
-  return newest.isZero() ? now : newest;
+  const double window_s = parameters_.max_mesh_age_s;
+  const auto newest = [&](const std::vector<std::string>& of) {
+    return lookup_.newestCommon(of, window_s).value_or(ros::Time());
+  };
+  const auto is_old = [&](const std::string& frame) {
+    const ros::Time stamp = newest({frame});
+    return !stamp.isZero() && secondsBetween(now, stamp) > window_s;
+  };
+  frames.erase(std::remove_if(frames.begin(), frames.end(), is_old), frames.end());
+  const ros::Time stamp = newest(frames);
+  return stamp.isZero() ? now : stamp;
 }
 
 void StateQuestions::nameObjects(const StatesToCheck& question, const StatesAsked& asked,
                                  const ObjectMeshes& meshes, StatesChecked* answer) const {
-  std::set<BodyId> looked_at;
-  for (const MonitoredPair& pair : scene_.pairs()) {
-    if (!pair.allowed && asked.has(pair)) looked_at.insert({pair.a, pair.b});
-  }
+  const std::set<BodyId> looked_at = bodiesOf(asked);
   for (BodyId id = scene_.firstRigid(); id < scene_.bodies().size(); ++id) {
     if (question.objects.empty() ? looked_at.count(id) == 0 : !asked.asked[id]) continue;
     const BodyStatus& body = scene_.bodies()[id];
@@ -292,25 +325,26 @@ void StateQuestions::nameObjects(const StatesToCheck& question, const StatesAske
 }
 
 // Returns which bodies of the pairs are not known, and why, the first few of them.
-std::string StateQuestions::whyUnknown(const StatesAsked& asked) const {
+std::string StateQuestions::whyUnknown(const StatesAsked& asked, const MovedBodies& moved) const {
   constexpr std::size_t kShown = 5;
-  std::set<BodyId> unknown;
-  for (const MonitoredPair& pair : scene_.pairs()) {
-    if (pair.allowed || !asked.has(pair)) continue;
-    for (const BodyId id : {pair.a, pair.b}) {
-      if (asked.unclear[id] || !scene_.bodies()[id].unknown_because.empty()) unknown.insert(id);
-    }
+  const auto problem = [&](BodyId id) {
+    const std::string& because = scene_.bodies()[id].unknown_because;
+    return because.empty() ? moved.problemOf(id) : because;
+  };
+  std::vector<BodyId> unknown;
+  for (const BodyId id : bodiesOf(asked)) {
+    if (asked.unclear[id] || !problem(id).empty()) unknown.push_back(id);
   }
   std::string text;
   std::size_t shown = 0;
   for (const BodyId id : unknown) {
     if (shown++ == kShown)
       return text + "; and " + std::to_string(unknown.size() - kShown) + " more";
-    const BodyStatus& body = scene_.bodies()[id];
-    text += (text.empty() ? "" : "; ") + body.name + ": ";
+    const std::string because = problem(id);
+    text += (text.empty() ? "" : "; ") + scene_.bodies()[id].name + ": ";
     if (asked.unclear[id]) text += "nobody knows whether it moves along";
-    if (asked.unclear[id] && !body.unknown_because.empty()) text += ": ";  // else TF came meanwhile
-    text += body.unknown_because;
+    if (asked.unclear[id] && !because.empty()) text += ": ";  // else TF came meanwhile
+    text += because;
   }
   return text;
 }
@@ -372,6 +406,7 @@ void StateQuestions::checkStates(const StatesToCheck& question, const StatesAske
                                  const Limits& limits, MovedBodies* moved, StatesChecked* answer) {
   constexpr std::size_t kStatesAtOnce = 8192;
   const MarginOfQuestion margin(question.margin, &scene_.sceneOfStep());
+  const UnplacedBodies unplaced(scene_.pairs(), *moved, &scene_.sceneOfStep());
   StateBatch batch;
   batch.moved = posedBodies(asked);
   StateOptions options;
@@ -403,7 +438,7 @@ void StateQuestions::checkStates(const StatesToCheck& question, const StatesAske
         is_checked ? checker_->check(scene_.scene(), batch, options) : without_check;
     if (found.cut_off) cut_off_because = found.cut_off_because;
     if (!results) {
-      std::string unknown = whyUnknown(asked);
+      std::string unknown = whyUnknown(asked, *moved);
       if (unknown.empty()) unknown = rejectsProblem(found.rejected, asked);
       results.emplace(scene_, asked, !question.first_only, std::move(unknown), answer);
     }

@@ -11,6 +11,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -61,12 +62,13 @@ class StateQuestions {
   void followRules();
   void check(const StatesToCheck& question, SteadyTime start, StatesChecked* answer);
   StatesAsked pairsOf(const StatesToCheck& question, const MovedBodies& moved) const;
+  std::set<BodyId> bodiesOf(const StatesAsked& asked) const;
   ObjectMeshes newestMeshes(const StatesAsked& asked, const ros::Time& now, SteadyTime deadline);
   ros::Time presentStamp(const MovedBodies& moved, const StatesAsked& asked,
                          const ros::Time& now) const;
   void nameObjects(const StatesToCheck& question, const StatesAsked& asked,
                    const ObjectMeshes& meshes, StatesChecked* answer) const;
-  std::string whyUnknown(const StatesAsked& asked) const;
+  std::string whyUnknown(const StatesAsked& asked, const MovedBodies& moved) const;
   std::string rejectsProblem(const std::vector<RejectedPart>& rejected,
                              const StatesAsked& asked) const;
   std::vector<BodyId> posedBodies(const StatesAsked& asked) const;

@@ -5,6 +5,7 @@
 // topics, the service ~release, diagnostics, and two threads.
 #include <deformable_contact_monitor/ContactStates.h>
 #include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/message_event.h>
 #include <ros/ros.h>
 #include <std_msgs/Bool.h>
 #include <std_msgs/Float64.h>
@@ -136,10 +137,11 @@ class GuardNode {
   }
 
   // Takes a message, and wakes run().
-  void store(const ContactStates::ConstPtr& states) {
+  void store(const ros::MessageEvent<const ContactStates>& event) {
+    const ContactStates::ConstPtr states = event.getConstMessage();
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      guard_.store(*states, ros::Time::now(), steadyNow());
+      guard_.store(*states, event.getPublisherName(), ros::Time::now(), steadyNow());
       newest_ = states;
       has_news_ = true;
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -13,6 +14,9 @@
 
 namespace deformable_contact_monitor {
 namespace {
+
+// A monitor may publish only once a second. So one that was silent for so long is gone.
+constexpr double kGoneAfterS = 2;
 
 // Makes ContactReader answer "no" for a pair at stop_distance_m or nearer.
 ReaderRules readerRules(const GuardParameters& parameters) {
@@ -37,15 +41,44 @@ Guard::Guard(const GuardParameters& parameters, SteadyTime start)
 
 // Follows the stored message rather than the given one, because the reader ignores a late one. A
 // latch looks at every message, since a cause may be over before the next output.
-void Guard::store(const ContactStates& states, const ros::Time& now, SteadyTime steady_now) {
+void Guard::store(const ContactStates& states, const std::string& publisher, const ros::Time& now,
+                  SteadyTime steady_now) {
   watchClock(now, steady_now);
-  reader_.store(states, now);
   heard_ = steady_now;
+  const std::string problem = rivals(publisher, steady_now);
+  if (problem.empty()) {
+    reader_.store(states, now);
+  } else {
+    forget(problem);
+  }
   const ContactStates& newest = reader_.newest();
   for (const ContactState& state : newest.states) {
     if (counts(parameters_, state)) follow(state, newest.tolerance);
   }
   if (parameters_.latch) latch(causeOfStop(now, steady_now));
+}
+
+// Notes who published a message. Returns that another node publishes as well; empty: none does. The
+// states of two monitors contradict one another, and nobody knows which of them is right.
+std::string Guard::rivals(const std::string& publisher, SteadyTime steady_now) {
+  const double window_s = std::max({kGoneAfterS, parameters_.max_age_s, parameters_.max_silence_s});
+  publishers_[publisher] = steady_now;
+  for (auto one = publishers_.begin(); one != publishers_.end();) {
+    const bool is_gone = toSeconds(steady_now - one->second) > window_s;
+    one = is_gone ? publishers_.erase(one) : std::next(one);
+  }
+  if (publishers_.size() == 1) return "";
+  return "two nodes publish " + parameters_.monitor +
+         "/contact_states: " + publishers_.begin()->first + " and " +
+         std::next(publishers_.begin())->first + "; stop one of them";
+}
+
+// Forgets the states and how distances changed. Until states are stored again, the guard stops
+// because of `because`.
+void Guard::forget(const std::string& because) {
+  reader_.forget(because);
+  courses_.clear();
+  closing_.clear();
 }
 
 // Keeps the first cause, which tells more than a later one. An empty text changes nothing.
@@ -93,11 +126,7 @@ void Guard::turn(const PairName& name, double distance_m) {
 void Guard::watchClock(const ros::Time& now, SteadyTime steady_now) {
   const double step_s = secondsBetween(now, ros_time_);
   if (step_s != 0) clock_moved_ = steady_now;
-  if (step_s < -ContactReader::kClockSlackS) {
-    reader_.forget("ROS time went back by " + seconds(-step_s));
-    courses_.clear();
-    closing_.clear();
-  }
+  if (step_s < -ContactReader::kClockSlackS) forget("ROS time went back by " + seconds(-step_s));
   ros_time_ = now;
 }
 
@@ -111,15 +140,16 @@ std::string Guard::causeOfStop(const ros::Time& now, SteadyTime steady_now) {
   if (still_s > parameters_.max_silence_s) {
     return "ROS time stands still for " + seconds(still_s);
   }
+  const std::string silence = silent_s > parameters_.max_silence_s
+                                  ? "no states came for " + seconds(silent_s) + " of wall time"
+                                  : "";
+  if (publishers_.size() > 1 && !silence.empty()) return silence;  // both have ended
   const std::vector<std::string> all = {"*"};
   for (const std::string& body : parameters_.links.empty() ? all : parameters_.links) {
     const MoveAnswer answer = reader_.mayMove(body, now);
     if (!answer) return answer.because;
   }
-  if (silent_s > parameters_.max_silence_s) {
-    return "no states came for " + seconds(silent_s) + " of wall time";
-  }
-  return missingBody();
+  return silence.empty() ? missingBody() : silence;
 }
 
 // Returns which required body is in no pair that counts; empty: each is in one.

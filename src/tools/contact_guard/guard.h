@@ -33,15 +33,16 @@ struct GuardOutput {
 };
 
 // Decides to stop unless all of these hold: every pair that counts is known, fresh and far enough
-// apart, ROS time advances, and states arrive. Not thread-safe. The caller passes both clocks; the
-// steady one never goes back, ROS time only where it is reset.
+// apart, ROS time advances, and states arrive from one node. Not thread-safe. The caller passes
+// both clocks; the steady one never goes back, ROS time only where it is reset.
 class Guard {
  public:
   // `start` is the time from which max_silence_s counts until the first states arrive.
   Guard(const GuardParameters& parameters, SteadyTime start);
 
-  // Takes a message that arrived at `now` (ROS time) and `steady_now`.
-  void store(const ContactStates& states, const ros::Time& now, SteadyTime steady_now);
+  // Takes a message that arrived at `now` (ROS time) and `steady_now` from the node `publisher`.
+  void store(const ContactStates& states, const std::string& publisher, const ros::Time& now,
+             SteadyTime steady_now);
 
   // Returns the output at this time. Call it at least as often as the output is due.
   GuardOutput decide(const ros::Time& now, SteadyTime steady_now);
@@ -70,6 +71,8 @@ class Guard {
   };
 
   // Parts of store() and decide(). guard.cpp says what each does.
+  std::string rivals(const std::string& publisher, SteadyTime steady_now);
+  void forget(const std::string& because);
   void follow(const ContactState& state, double tolerance_m);
   void latch(const std::string& cause);
   void turn(const PairName& name, double distance_m);
@@ -85,9 +88,10 @@ class Guard {
   std::map<PairName, Course> courses_;        // pairs that were NEAR or in CONTACT when last known
   std::map<PairName, ClosingSpeed> closing_;  // with time_to_contact_s, the same pairs
   ScaleHistory scales_;                       // the output so far
-  SteadyTime heard_;                          // arrival of the last message
-  SteadyTime clock_moved_;                    // when ROS time last changed
-  ros::Time ros_time_;                        // at the last call
+  std::map<std::string, SteadyTime> publishers_;  // when the last message of each arrived
+  SteadyTime heard_;                              // arrival of the last message
+  SteadyTime clock_moved_;                        // when ROS time last changed
+  ros::Time ros_time_;                            // at the last call
   bool latched_;
   std::string latched_because_ = "not released since its start";
 };

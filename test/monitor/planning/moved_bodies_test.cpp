@@ -45,6 +45,42 @@ TEST_F(MovedBodiesTest, AnAttachedRigidObjectGoesWithItsLink) {
   EXPECT_FALSE(ask({kFree}, turn, 0, cloth).success);
 }
 
+// The tool is on the hand, but its own transform does not come any more.
+TEST_F(MovedBodiesTest, AStaleFrameLeavesOnlyItsBodyUnknown) {
+  transforms_.clear();
+  const auto put_robot = [&] {
+    put("arm", "base", 0);
+    put("hand", "arm", 1);
+  };
+  put_robot();
+  put("tool_tip", "hand", 0.0625);
+  now_ += ros::Duration(1.25);
+  put_robot();
+  give();
+  const std::string late =
+      " tool: TF from 'tool_tip' to 'base' is late: wanted 101.250000000, newest available "
+      "100.000000000";
+  for (const Names& joints : {Names{"turn"}, Names{"turn", "slide"}}) {
+    const bool is_one = joints.size() == 1;
+    const auto positions =
+        is_one ? std::vector<double>{kFree, kAtCloth} : std::vector<double>{kFree, 0, kAtCloth, 0};
+    for (const float margin : {0.0F, 0.5F}) {
+      const StatesChecked answer = ask(positions, joints, margin);
+      EXPECT_EQ(states(answer), "?C" + late);
+      EXPECT_EQ(answer.stamp, now_);
+      EXPECT_EQ(answer.link[1], "arm");
+      EXPECT_TRUE(std::isnan(answer.distance[0]));
+    }
+    EXPECT_EQ(states(ask(positions, joints, 0, {"tool"})), "??" + late);
+    requests_.changeAllowedContacts({false, {}, {allowed("tool", "cloth")}});
+    EXPECT_EQ(states(ask(positions, joints)), "-C") << "nothing is asked of the tool";
+    requests_.changeAllowedContacts({true, {}, {}});
+  }
+  put("tool_tip", "hand", 0.0625);
+  EXPECT_EQ(states(ask({kFree, kAtCloth})), "-C") << "no pair stays left out";
+  EXPECT_EQ(states(ask({kFree, kAtCloth}, {"turn"}, 0, {"tool"})), "-C");
+}
+
 TEST_F(MovedBodiesTest, AMeshStaysAlsoIfALinkSawIt) {
   now_ += ros::Duration(0.125);
   put("arm", "base", 0, 0);

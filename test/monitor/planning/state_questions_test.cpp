@@ -159,8 +159,26 @@ TEST_F(StateQuestionsTest, OldMeshesAndTransformsAreUnknown) {
   EXPECT_EQ(states(ask({kFree, kAtCloth})), "-C");
   now_ += ros::Duration(0.75);
   give();
-  EXPECT_EQ(states(ask({kFree})), "? the newest transforms are 0.750 s old");
+  EXPECT_EQ(states(ask({kFree})),
+            "? TF from 'arm' to 'base' is late: wanted 101.500000000, newest available "
+            "100.750000000");
   EXPECT_EQ(states(ask({kFree, 0}, {"turn", "slide"})), "-") << "this needs no transform";
+}
+
+// The tool stands still, and its frame is the only one whose present pose the question needs.
+TEST_F(StateQuestionsTest, AnOldTransformOfOneBodyLeavesTheOthersKnown) {
+  parameters_.pair_classes = {true, false, false, false, true, true};
+  now_ += ros::Duration(0.75);
+  give();
+  const Names both{"turn", "slide"};
+  const StatesChecked answer = ask({kFree, 0, kAtCloth, 0}, both);
+  EXPECT_EQ(states(answer),
+            "?C tool: TF from 'tool_tip' to 'base' is late: wanted 100.750000000, newest available "
+            "100.000000000");
+  EXPECT_EQ(answer.stamp, now_);
+  EXPECT_EQ(states(ask({kFree, 0, kAtCloth, 0}, both, 0, {"cloth"})), "-C");
+  put("tool_tip", "base", -5);
+  EXPECT_EQ(states(ask({kFree, 0, kAtCloth, 0}, both)), "-C");
 }
 
 // They are of the time before the clock went back.

@@ -186,6 +186,59 @@ TEST(GuardTest, stopsWhereRosTimeJumps) {
   expectScale(watch.hear(none("hand", "cloth")), 1);
 }
 
+// One monitor says CONTACT, and the other, which was told to allow that, says ALLOWED.
+TEST(GuardTest, stopsWhileTwoNodesPublish) {
+  const ContactState allowed = stateOf("hand", "cloth", ContactState::ALLOWED, kNaN);
+  const std::string two =
+      "two nodes publish contact_monitor/contact_states: /contact_monitor and /mgr; stop one of "
+      "them";
+  Watch watch(distances(1, 0));
+  expectScale(watch.hear(none("hand", "cloth")), 1);
+  for (int i = 0; i < 10; ++i) {
+    watch.publisher = "/mgr";
+    expectStop(watch.hear(allowed), two);
+    EXPECT_EQ(watch.guard.nearest(ros::Time(watch.ros_s)), 0);
+    watch.publisher = "/contact_monitor";
+    expectStop(watch.hear(at(i % 2 == 0 ? 0.75F : 0.0F)), two);
+  }
+  // A monitor that has nothing to do publishes once a second.
+  watch.publisher = "/mgr";
+  watch.hear(allowed);
+  watch.publisher = "/contact_monitor";
+  for (int i = 0; i < 19; ++i) expectStop(watch.hear(at(0.75)), two);
+  watch.hear(at(0.75));
+  expectScale(watch.hear(at(0.75)), 0.8);
+}
+
+TEST(GuardTest, aMonitorThatIsStartedAgainIsNoSecondNode) {
+  Watch watch(distances(1, 0));
+  expectScale(watch.hear(none("hand", "cloth")), 1);
+  watch.cycle = 0;
+  expectScale(watch.hear(at(0.75)), 0.8);
+  // One of another name takes its place.
+  watch.publisher = "/other";
+  EXPECT_TRUE(watch.hear(at(0.75)).stop);
+  for (int i = 0; i < 20; ++i) watch.hear(at(0.75));
+  expectScale(watch.decide(), 0.8);
+}
+
+TEST(GuardTest, twoNodesThatHaveEndedAreSilent) {
+  GuardParameters p = distances(1, 0);
+  p.latch = true;
+  Watch watch(p);
+  watch.hear(none("hand", "cloth"));
+  EXPECT_EQ(watch.release(), "");
+  watch.publisher = "/mgr";
+  watch.hear(none("hand", "cloth"));
+  watch.wait(0.51);
+  expectStop(watch.decide(), "no states came for 0.510 s of wall time");
+  watch.wait(2);
+  expectStop(
+      watch.hear(none("hand", "cloth")),
+      "latched: two nodes publish contact_monitor/contact_states: /contact_monitor and /mgr; "
+      "stop one of them");
+}
+
 TEST(GuardTest, aLatchedStopStaysUntilItIsReleased) {
   GuardParameters p = distances(1, 0);
   p.latch = true;

@@ -57,7 +57,7 @@ struct Watch {
     message.header.stamp = ros::Time(ros_s);
     for (ContactState& state : states) state.stamp = message.header.stamp;
     message.states = std::move(states);
-    guard.store(message, ros::Time(ros_s), steady);
+    guard.store(message, publisher, ros::Time(ros_s), steady);
   }
   GuardOutput hear(const ContactState& state, double period_s = 0.1) {
     return hear(std::vector<ContactState>{state}, period_s);
@@ -69,6 +69,7 @@ struct Watch {
   double ros_s = 100;
   SteadyTime steady{std::chrono::seconds(7)};
   std::uint64_t cycle = 0;
+  std::string publisher = "/contact_monitor";
   Guard guard;
 };
 
