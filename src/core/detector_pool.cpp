@@ -227,6 +227,10 @@ class DetectorPool : public Detector {
 }  // namespace
 
 std::unique_ptr<Detector> makeDetectorPool(PoolSettings settings) {
+  if (!settings.device && !settings.cpu) {
+    throw std::invalid_argument(
+        "a pool of detectors has neither a maker for a device nor for the CPU");
+  }
   return guardAgainstForks(
       withRadiiAndPartMargins(std::make_unique<DetectorPool>(std::move(settings))),
       AfterFork::kWorks);

@@ -4,6 +4,15 @@
 #include <stdexcept>
 
 namespace deformable_contact_monitor {
+namespace {
+
+bool isThreads(int threads) { return threads >= 0 && threads <= 1024; }
+
+std::string threadsProblem(int threads) {
+  return "threads is " + std::to_string(threads) + ", must be in [0, 1024] (0: all)";
+}
+
+}  // namespace
 
 bool isGuaranteed(const Options& options) {
   return options.overlap == 1 && options.predicates != Predicates::kFast;
@@ -25,8 +34,7 @@ std::vector<std::string> problems(const Options& options) {
           "iterations is " + std::to_string(options.iterations) + ", must be in [0, 100]");
   require(options.refresh_period >= 1,
           "refresh_period is " + std::to_string(options.refresh_period) + ", must be >= 1");
-  require(options.threads >= 0 && options.threads <= 1024,
-          "threads is " + std::to_string(options.threads) + ", must be in [0, 1024] (0: all)");
+  require(isThreads(options.threads), threadsProblem(options.threads));
   require(std::isfinite(options.tolerance_m) && options.tolerance_m >= 0,
           "tolerance_m is " + std::to_string(options.tolerance_m) + ", must be finite and >= 0");
   const bool swept = options.motion == Motion::kSwept;
@@ -39,6 +47,10 @@ void requireValid(const Options& options) {
   std::string lines;
   for (const std::string& line : problems(options)) lines += (lines.empty() ? "" : "; ") + line;
   if (!lines.empty()) throw std::invalid_argument(lines);
+}
+
+void requireThreads(int threads) {
+  if (!isThreads(threads)) throw std::invalid_argument(threadsProblem(threads));
 }
 
 void requireInstant(const Options& options, const std::string& backend) {

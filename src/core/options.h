@@ -66,6 +66,9 @@ DCM_EXPORT std::vector<std::string> problems(const Options& options);
 // Throws std::invalid_argument, listing all problems(options).
 DCM_EXPORT void requireValid(const Options& options);
 
+// Throws std::invalid_argument unless a number of threads is in [0, 1024].
+DCM_EXPORT void requireThreads(int threads);
+
 // Throws std::invalid_argument, naming the backend, if motion is swept. For backends without
 // continuous collision detection.
 DCM_EXPORT void requireInstant(const Options& options, const std::string& backend);

@@ -70,29 +70,29 @@ void Scene::setMesh(BodyId id, TriangleMesh mesh) {
   if (!body.parts.empty()) setParts(id, {});
 }
 
-Body& Scene::checkedBody(BodyId id, std::size_t vertex_count) {
+Body& Scene::checkedBody(BodyId id, std::size_t vertex_count, const float* vertices) {
   Body& body = checkedBody(id);
   if (vertex_count != body.mesh.vertexCount()) {
     throw std::invalid_argument(body.name + ": " + std::to_string(vertex_count) +
                                 " vertices, but its triangles are of a mesh with " +
                                 std::to_string(body.mesh.vertexCount()));
   }
+  if (vertices == nullptr && vertex_count > 0) {
+    throw std::invalid_argument(body.name + ": its " + std::to_string(vertex_count) +
+                                " vertices are said to be at a null pointer");
+  }
   return body;
 }
 
 void Scene::setVertices(BodyId id, const float* xyz, std::size_t count) {
-  Body& body = checkedBody(id, count);
+  Body& body = checkedBody(id, count, xyz);
   std::copy_n(xyz, 3 * count, body.mesh.vertices.begin());
   body.device_vertices.reset();
   body.vertices_revision = nextRevision();
 }
 
 void Scene::setDeviceVertices(BodyId id, const float* device_xyz, std::size_t count, void* stream) {
-  Body& body = checkedBody(id, count);
-  if (device_xyz == nullptr && count > 0) {
-    throw std::invalid_argument(body.name + ": its " + std::to_string(count) +
-                                " vertices are said to be at a null pointer");
-  }
+  Body& body = checkedBody(id, count, device_xyz);
   body.device_vertices.reset();
   if (count > 0) body.device_vertices = DeviceVertices{device_xyz, stream};
   body.vertices_revision = nextRevision();
@@ -110,7 +110,8 @@ void Scene::setPose(BodyId id, const RigidTransform& pose) {
 }
 
 void Scene::setEarlier(BodyId id, const RigidTransform& pose, HostList<float> vertices) {
-  Body& body = vertices.empty() ? checkedBody(id) : checkedBody(id, vertices.size() / 3);
+  Body& body =
+      vertices.empty() ? checkedBody(id) : checkedBody(id, vertices.size() / 3, vertices.data());
   requireFinite(body, pose);
   if (vertices.size() % 3 != 0) {
     throw std::invalid_argument(body.name + ": " + std::to_string(vertices.size()) +

@@ -93,8 +93,9 @@ struct DCM_EXPORT Body {
 };
 
 // Bodies and enabled pairs of bodies, for one thread at a time. Pairs of bodies, and a body with
-// itself, are disabled until they are enabled. Functions throw std::invalid_argument, naming the
-// body, for bad values, and leave the scene as it was.
+// itself, are disabled until they are enabled. Functions that change the scene throw
+// std::invalid_argument, naming the body, for bad values, and leave the scene as it was. Those that
+// read it throw std::out_of_range for a body that does not exist.
 class DCM_EXPORT Scene {
  public:
   // Stores meshes in `memory` from now on, which must outlive the scene. With a detector's
@@ -131,8 +132,8 @@ class DCM_EXPORT Scene {
   // Sets margins of parts [m], finite and >= 0, in place of all earlier ones. Two triangles then
   // count at a distance of at most the larger of their parts' margins, in lists of near pairs and
   // for the nearest pairs of bodies and of parts. The setting stays when meshes and parts change.
-  // Options.tolerance_m does not go with it: detect() throws std::invalid_argument then, naming the
-  // body.
+  // Options.tolerance_m does not go with it: detect() throws std::invalid_argument, naming the
+  // body, where a part's margin differs from the body's.
   void setPartMargins(BodyId id, std::map<PartId, float> margins_m);
 
   // Sets Body::radius_m [m], finite and >= 0. Motion::kSwept and options.tolerance_m do not go with
@@ -208,7 +209,7 @@ class DCM_EXPORT Scene {
   bool anyBody(float Body::*length_m) const;
   static void sumUpMargins(Body* body);
   Body& checkedBody(BodyId id);
-  Body& checkedBody(BodyId id, std::size_t vertex_count);
+  Body& checkedBody(BodyId id, std::size_t vertex_count, const float* vertices);
 
   std::vector<Body> bodies_;
   std::vector<std::vector<bool>> enabled_;  // symmetric

@@ -31,7 +31,7 @@ struct DCM_EXPORT StateBatch {
 struct DCM_EXPORT StateOptions {
   bool pairs = false;    // list all pairs of bodies that touch; else a state is done at its first
   bool nearest = false;  // find the nearest pair within the margins
-  int threads = 0;       // of the CPU backend; 0: one per core
+  int threads = 0;       // of the CPU backend, in [0, 1024]; 0: one per core
   Limits limits;         // end the check early; none by default
 };
 
@@ -97,8 +97,8 @@ class DCM_EXPORT StateChecker {
   // Decides all states, or as many as the limits allow; earlier states are begun first. The results
   // belong to the checker and are valid until the next call. Throws std::invalid_argument for a
   // moved body that does not exist or is named twice, poses that are a null pointer, a state number
-  // beyond 32 bits, and vertices on a device that this backend cannot read. Throws a
-  // std::runtime_error (BackendError) if the backend fails.
+  // beyond 32 bits, threads out of range on the CPU, and vertices on a device that this backend
+  // cannot read. Throws a std::runtime_error (BackendError) if the backend fails.
   virtual const StateResults& check(const Scene& scene, const StateBatch& batch,
                                     const StateOptions& options) = 0;
 

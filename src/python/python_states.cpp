@@ -129,9 +129,7 @@ std::unique_ptr<PythonStateChecker> makePythonStateChecker(const std::string& ba
                                                            std::int64_t device,
                                                            std::int64_t memory_limit_mib,
                                                            int threads) {
-  if (threads < 0) {
-    throw std::invalid_argument("threads is " + std::to_string(threads) + ", must be >= 0");
-  }
+  requireThreads(threads);
   return std::make_unique<PythonStateChecker>(toBackendChoice(backend),
                                               toSettings(device, memory_limit_mib), threads);
 }

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <random>
 #include <thread>
 
 #include "cgal_oracle.h"
 #include "core/common/cycle_limit.h"
+#include "core/steady_time.h"
 #include "detector_suite.h"
 #include "late_work.h"
 #include "pair_verdict.h"
@@ -21,6 +24,17 @@ namespace {
 
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
+
+// A time that the clock cannot count is as good as none, and not one that is long past.
+TEST(SteadyTimes, AnEndlessTimeNeverPasses) {
+  for (const double s : {1e10, 1e300, std::numeric_limits<double>::infinity()}) {
+    EXPECT_GT(Clock::now() + fromSeconds(s), Clock::now()) << s;
+    EXPECT_LT(Clock::now() - fromSeconds(s), Clock::now()) << s;
+    EXPECT_LT(Clock::now() + fromSeconds(-s), Clock::now()) << s;
+  }
+  EXPECT_LT(Clock::now() + fromSeconds(std::nan("")), Clock::now());
+  EXPECT_EQ(fromSeconds(1.5), milliseconds(1500));
+}
 
 Options withDeadline(Clock::duration from_now) {
   Options options;

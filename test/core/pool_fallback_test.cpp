@@ -95,6 +95,10 @@ TEST_F(Fallback, RunsTheFirstWhileItWorks) {
   EXPECT_TRUE(told_.empty());
 }
 
+TEST_F(Fallback, APoolWithoutMakersIsRefused) {
+  EXPECT_THROW(makeDetectorPool({}), std::invalid_argument);
+}
+
 TEST_F(Fallback, RunsTheSecondForGoodWhereThereIsNoFirst) {
   device_.make_fails =
       std::make_exception_ptr(BackendError(BackendFault::kUnavailable, "no device"));

@@ -168,8 +168,9 @@ class States(unittest.TestCase):
                 self.checker.check(self.scene, bodies, poses)
         with self.assertRaisesRegex(ValueError, "max_time_s"):
             self.checker.check(self.scene, [1], good, max_time_s=-1)
-        with self.assertRaisesRegex(ValueError, "threads"):
-            StateChecker("cpu", threads=-1)
+        for threads in (-1, 1025, 10**9):
+            with self.assertRaisesRegex(ValueError, "threads is .*, must be in .0, 1024"):
+                StateChecker("cpu", threads=threads)
         with self.assertRaisesRegex(ValueError, "'opencl'"):
             StateChecker("opencl")
         self.checker.reset()

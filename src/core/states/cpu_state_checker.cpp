@@ -34,6 +34,7 @@ class CpuStateChecker : public StateChecker {
                             const StateOptions& options) override {
     const Stopwatch watch;
     requireValid(scene, batch);
+    requireThreads(options.threads);
     const std::vector<IdPair> pairs = pairsOfStates(scene, batch);
     for (const auto& [a, b] : pairs) {
       for (const BodyId id : {a, b}) requireHostVertices(scene.body(id), backend());

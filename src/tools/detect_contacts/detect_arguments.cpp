@@ -49,9 +49,10 @@ void addOptions(CommandLine* line, DetectArguments* arguments) {
             "Share of a triangle that decides its clusters, in [0, 1]; 1 finds every contact");
   line->add("--margin", &arguments->margin_m,
             "Report triangles at this distance or less, in the meshes' unit");
-  line->add("--parts", &arguments->parts_file,
-            "Read parts of bodies, and which of their pairs are left out, from here: lines 'part "
-            "BODY NAME FIRST-LAST...' and 'skip BODY:NAME BODY[:NAME]'");
+  line->add(
+      "--parts", &arguments->parts_file,
+      "Read parts of bodies, and which of their pairs are left out, from here: lines 'part "
+      "BODY NAME FIRST-LAST...', 'group BODY NAME GROUP...' and 'skip BODY:NAME BODY[:NAME]'");
   line->add(
       "--tolerance-m", &options.tolerance_m,
       "Say of each pair of bodies whether it is in contact, off by at most this distance, and "

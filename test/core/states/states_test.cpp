@@ -288,6 +288,12 @@ TEST_P(StatesSuite, RefuseWhatIsWrong) {
   EXPECT_THROW(check({{0}, std::size_t{1} << 32, poses}), std::invalid_argument);
   check({{0, 1}, 1, poses});
   check({{0}, 0, nullptr});
+  if (checker_->backend() != "cpu") return;
+  for (const int threads : {-1, 1025, std::numeric_limits<int>::max()}) {
+    StateOptions options;
+    options.threads = threads;
+    EXPECT_THROW(checker_->check(scene, {{0}, 1, poses}, options), std::invalid_argument);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(, StatesSuite, ::testing::ValuesIn(stateBackends()), stateBackendName);
