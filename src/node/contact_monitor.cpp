@@ -49,6 +49,13 @@ MonitorParameters readParameters(const ros::NodeHandle& private_node) {
   return parameters;
 }
 
+// Asks the master for /use_sim_time only where roscpp did not find it at the start.
+ClockStatus clockStatus() {
+  ClockStatus clock{ros::Time::now(), ros::Time::isSimTime()};
+  if (!clock.is_simulated) ros::param::get("/use_sim_time", clock.is_sim_time_set);
+  return clock;
+}
+
 // Runs the loop until it is asked to stop. The thread owns the loop, which ends with it.
 std::thread startThread(LoopRequests& requests, std::unique_ptr<DetectionLoop> loop) {
   return std::thread([&requests, loop = std::move(loop)] {
@@ -135,8 +142,8 @@ void ContactMonitor::lookAtInputs() {
   const std::vector<InputStatus> inputs = inputStatuses();
   if (!std::exchange(is_started_, true)) showStart(inputs);
   if (!diagnostics_.isEnabled()) return;
-  for (const std::string& warning : input_warnings_.look(
-           inputs, ros::Time::now(), ros::Time::isSimTime(), std::chrono::steady_clock::now())) {
+  for (const std::string& warning :
+       input_warnings_.look(inputs, clockStatus(), std::chrono::steady_clock::now())) {
     ROS_WARN_STREAM(warning << "; see config/docs/console.md#no-mesh-or-a-strange-one");
   }
 }

@@ -35,19 +35,14 @@ std::vector<std::string> missingInputs(const std::vector<InputStatus>& inputs) {
 }
 
 std::vector<std::string> InputWarnings::look(const std::vector<InputStatus>& inputs,
-                                             const ros::Time& ros_time, bool is_simulated,
-                                             SteadyTime now) {
+                                             const ClockStatus& clock, SteadyTime now) {
   std::vector<std::string> warnings;
   // Without a clock no mesh can be used, so warnings about missing meshes would only distract.
-  const bool is_silent = isClockSilent(ros_time, is_simulated, now);
-  if (is_silent && now >= clock_due_) {
+  const bool is_silent = isClockSilent(clock, now);
+  const std::string clock_text = now < clock_due_ ? "" : describe(clock, is_silent, now);
+  if (!clock_text.empty()) {
     clock_due_ = now + kPeriod;
-    std::ostringstream text;
-    text << "use_sim_time is set, but /clock is silent for " << toSeconds(now - clock_moved_)
-         << " s (" << (ros_time.isZero() ? "it never came" : "it stands still")
-         << "); contacts cannot be computed without it. Start its publisher, or set use_sim_time "
-            "to false";
-    warnings.push_back(text.str());
+    warnings.push_back(clock_text);
   }
   for (const InputStatus& input : inputs) {
     Watch& watch = watches_.emplace(input.object, Watch{0, start_, start_}).first->second;
@@ -65,10 +60,25 @@ std::vector<std::string> InputWarnings::look(const std::vector<InputStatus>& inp
 
 // Wall time always advances, so only simulated time is watched. The clock counts as moved whenever
 // its value differs from the last one, also when it jumps back.
-bool InputWarnings::isClockSilent(const ros::Time& ros_time, bool is_simulated, SteadyTime now) {
-  if (!is_simulated || ros_time != ros_time_) clock_moved_ = now;
-  ros_time_ = ros_time;
+bool InputWarnings::isClockSilent(const ClockStatus& clock, SteadyTime now) {
+  if (!clock.is_simulated || clock.ros_time != ros_time_) clock_moved_ = now;
+  ros_time_ = clock.ros_time;
   return now - clock_moved_ >= kPeriod;
+}
+
+std::string InputWarnings::describe(const ClockStatus& clock, bool is_silent,
+                                    SteadyTime now) const {
+  if (!clock.is_simulated && clock.is_sim_time_set) {
+    return "this node was started before /use_sim_time was set, so it runs by the wall clock and "
+           "not by /clock; restart it";
+  }
+  if (!is_silent) return "";
+  std::ostringstream text;
+  text << "use_sim_time is set, but /clock is silent for " << toSeconds(now - clock_moved_)
+       << " s (" << (clock.ros_time.isZero() ? "it never came" : "it stands still")
+       << "); contacts cannot be computed without it. Start its publisher, or set use_sim_time "
+          "to false";
+  return text.str();
 }
 
 // Returns the worst problem of the object's input; empty if there is none.

@@ -21,9 +21,16 @@ struct InputStatus {
   bool required = true;             // false: it may be missing
   std::uint64_t received = 0;       // messages, since the start
   std::string refusal, anomaly;     // of the newest message; empty: none
-  std::string rivals;               // of publishers whose meshes differ; empty: none
+  std::string rivals;               // what MeshInput::rivals() returns; empty: nothing
   std::uint32_t publishers = 0;     // connected
   std::optional<std::string> type;  // of the published messages, if the master knows one
+};
+
+// Describes the clock that the node runs by. roscpp reads /use_sim_time once, when the node starts.
+struct ClockStatus {
+  ros::Time ros_time;
+  bool is_simulated = false;     // ROS time comes from /clock
+  bool is_sim_time_set = false;  // /use_sim_time is true now
 };
 
 // Returns a line for each object of which no mesh has come yet: who publishes on its topic. An
@@ -37,10 +44,9 @@ class InputWarnings {
   explicit InputWarnings(SteadyTime start) : start_(start), clock_moved_(start) {}
 
   // Returns the warnings that are due, one per line. Call it about once a second. While simulated
-  // time (`is_simulated`, from /clock) stands still, a warning about it replaces those about
-  // missing meshes.
-  std::vector<std::string> look(const std::vector<InputStatus>& inputs, const ros::Time& ros_time,
-                                bool is_simulated, SteadyTime now);
+  // time (from /clock) stands still, a warning about it replaces those about missing meshes.
+  std::vector<std::string> look(const std::vector<InputStatus>& inputs, const ClockStatus& clock,
+                                SteadyTime now);
 
  private:
   // Remembers when an object's meshes last arrived, and when its next warning may come.
@@ -50,7 +56,9 @@ class InputWarnings {
   };
 
   // Returns whether /clock has stood still for 5 s.
-  bool isClockSilent(const ros::Time& ros_time, bool is_simulated, SteadyTime now);
+  bool isClockSilent(const ClockStatus& clock, SteadyTime now);
+  // Returns what is wrong with the clock; empty if nothing is.
+  std::string describe(const ClockStatus& clock, bool is_silent, SteadyTime now) const;
   // Returns the text of the object's warning; empty if nothing is wrong.
   std::string describe(const InputStatus& input, const Watch& watch, SteadyTime now) const;
 

@@ -90,9 +90,9 @@ class Monitor {
     wire.buffer = bytes.data();
     wire.length = static_cast<std::uint32_t>(bytes.size());
     ros::SubscriptionCallbackHelperCallParams call;
-    call.event = ros::MessageEvent<void const>(subscription_.helper->deserialize(wire),
-                                               boost::make_shared<ros::M_string>(), now, false,
-                                               ros::MessageEvent<void const>::CreateFunction());
+    call.event =
+        ros::MessageEvent<void const>(subscription_.helper->deserialize(wire), connection_, now,
+                                      false, ros::MessageEvent<void const>::CreateFunction());
     has_mesh_ = was_mesh_ = false;
     subscription_.helper->call(call);
     if (was_mesh_) {
@@ -149,6 +149,7 @@ class Monitor {
   tf2::BufferCore buffer_;
   const TransformLookup lookup_;
   const ros::SubscribeOptions subscription_;
+  const boost::shared_ptr<ros::M_string> connection_ = boost::make_shared<ros::M_string>();
   const std::unique_ptr<Detector> detector_;
   ContactStateTracker tracker_;
   bool has_mesh_ = false, was_mesh_ = false;  // the last message handed a mesh over, a valid one

@@ -29,8 +29,9 @@ class InputWarningsTest : public ::testing::Test {
     for (int s = from_s; s <= to_s; ++s) {
       if (meshes_come) received_ += 30;
       input.received = received_;
-      for (std::string& text : warnings_.look({input}, ros::Time(clock_runs_ ? 100 + s : 100),
-                                              is_simulated_, start_ + seconds(s))) {
+      const ros::Time ros_time(clock_runs_ ? 100 + s : 100);
+      for (std::string& text : warnings_.look({input}, {ros_time, is_simulated_, is_sim_time_set_},
+                                              start_ + seconds(s))) {
         all.push_back(std::move(text));
       }
     }
@@ -40,7 +41,7 @@ class InputWarningsTest : public ::testing::Test {
   const SteadyTime start_{std::chrono::hours(1)};
   InputWarnings warnings_{start_};
   std::uint64_t received_ = 0;
-  bool clock_runs_ = true, is_simulated_ = false;
+  bool clock_runs_ = true, is_simulated_ = false, is_sim_time_set_ = false;
 };
 
 TEST_F(InputWarningsTest, NothingIsSaidWhileMeshesCome) {
@@ -143,6 +144,16 @@ TEST_F(InputWarningsTest, ASilentClockIsTheOneWarningAboutWhatIsMissing) {
   const std::vector<std::string> missing = lookAt(cloth(), 15, 15, false);
   ASSERT_EQ(missing.size(), 1U);
   expectIn("no mesh for 15 s", missing[0]);
+}
+
+TEST_F(InputWarningsTest, ANodeThatStartedBeforeSimulatedTimeWasSetIsToBeRestarted) {
+  is_sim_time_set_ = true;
+  const std::vector<std::string> all = lookAt(cloth(), 0, 9, true);
+  ASSERT_EQ(all.size(), 2U) << "every 5 s";
+  expectIn("this node was started before /use_sim_time was set", all[0]);
+  expectIn("restart it", all[0]);
+  is_simulated_ = true;
+  EXPECT_TRUE(lookAt(cloth(), 10, 20, true).empty()) << "it was set in time";
 }
 
 TEST_F(InputWarningsTest, AClockThatStandsStillWithoutUseSimTimeIsNoMatter) {

@@ -187,6 +187,20 @@ class BadMeshes(unittest.TestCase):
             self.assertEqual(contacts.topology_ids[contacts.bodies.index("cloth")], 4)
             self.assertEqual(pairs_of(contacts), self.expected(turned))
 
+    def test_a_publisher_that_starts_anew_must_send_its_own_triangles(self):
+        self.send_cloth(CLOTH)
+        topology_id = self.topology_id
+        self.cloth.publisher.unregister()
+        type(self).cloth = MeshPublisher("cloth", "/cloth", listeners=2)
+        contacts = self.send_cloth(CLOTH, topology_id, keyframe=False)
+        self.assertIn(f"no triangles of topology_id {topology_id} seen from this publisher",
+                      self.reason(contacts, "cloth"))
+        self.assertEqual(self.states()["palm", "cloth"], UNKNOWN)
+        for keyframe in (True, False):
+            contacts = self.send_cloth(CLOTH, topology_id, keyframe=keyframe)
+            self.assertEqual(pairs_of(contacts), self.expected(CLOTH))
+            self.assertEqual(self.states()["palm", "cloth"], CONTACT)
+
     def test_a_claim_to_be_huge_costs_nothing(self):
         self.send_cloth(CLOTH)
         before_mib = peak_memory_mib("/contact_monitor")

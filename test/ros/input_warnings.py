@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Checks the warnings on the console about meshes that are missing, rejected, of another type or in
-millimetres."""
+millimetres, and about simulated time that was set too late."""
 import sys
 import time
 import unittest
@@ -62,6 +62,11 @@ class InputWarnings(unittest.TestCase):
         text = self.warning("object 'cloth'", "mesh refused: header.stamp is zero",
                             meanwhile=lambda: self.send(CLOTH, stamp=rospy.Time()))
         self.assertIn(f"on /cloth, on which 1 publisher(s) of {MESH_TYPE} are connected", text)
+
+    def test_simulated_time_that_was_set_after_the_start(self):
+        rospy.set_param("/use_sim_time", True)  # nobody else starts meanwhile
+        self.addCleanup(rospy.delete_param, "/use_sim_time")
+        self.warning("started before /use_sim_time was set", "restart it")
 
     def test_a_mesh_in_millimetres(self):
         def send():

@@ -58,6 +58,14 @@ TEST_F(SameProcess, AMeshComesWithoutACopyToEachSubscriber) {
   }
 }
 
+// Otherwise a mesh without triangles would not have those that its publisher sent before.
+TEST_F(SameProcess, AllMeshesOfAPublisherHaveOneConnection) {
+  publish(boost::make_shared<DeformableMesh>());
+  const IncomingMesh before = first_.at(0);
+  publish(boost::make_shared<DeformableMesh>());
+  EXPECT_EQ(first_.at(0).connection, before.connection);
+}
+
 TEST_F(SameProcess, ALargeOneIsRefusedAndNotKept) {
   auto message = boost::make_shared<DeformableMesh>();
   message->header.stamp = ros::Time(50);

@@ -4,6 +4,7 @@
 #include <deformable_contact_monitor/DeformableMesh.h>
 #include <ros/time.h>
 
+#include <boost/shared_ptr.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -35,6 +36,9 @@ struct IncomingMesh {
   std::string publisher{};                     // name of the node; empty: not known
   bool is_deletion = false;  // invalid because the object was deleted; a new mesh may follow soon
   ros::Time corrected{};     // the stamp by stamp_offset_s; zero: that of the message holds
+  // Identifies the publisher's connection by its address. A publisher that starts anew has another
+  // one, even under the same name. Null: an adapter gives the triangles, or it is not known.
+  boost::shared_ptr<const void> connection{};
 
   const ros::Time& stamp() const { return corrected.isZero() ? message->header.stamp : corrected; }
 };

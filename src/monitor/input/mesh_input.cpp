@@ -31,6 +31,11 @@ bool isMeshOf(const std::string& object, const DeformableMesh& message) {
   return message.object.empty() || message.object == object;
 }
 
+bool haveSameTriangles(const DeformableMesh& a, const DeformableMesh& b) {
+  return a.topology_id == b.topology_id && a.vertices.size() == b.vertices.size() &&
+         a.triangles == b.triangles;
+}
+
 }  // namespace
 
 MeshInput::MeshInput(std::string object, const MeshLimits& limits)
@@ -60,13 +65,18 @@ void MeshInput::store(IncomingMesh mesh) {
   counters_.stamped_on_receipt += mesh.stamped_on_receipt;
   if (waiting_) ++counters_.dropped;
   const DeformableMesh& message = *mesh.message;
-  if (!message.triangles.empty() && isMeshOf(object_, message)) keyframe_ = mesh.message;
+  if (!message.triangles.empty() && isMeshOf(object_, message)) {
+    const DeformableMesh::ConstPtr& before = keyframe_.mesh.message;
+    if (before == nullptr || !haveSameTriangles(*before, message)) keyframe_.senders.clear();
+    keyframe_.mesh = mesh;
+    add(mesh.connection, &keyframe_.senders);
+  }
   waiting_ = std::move(mesh);
 }
 
 void MeshInput::storeTriangles(const DeformableMesh::ConstPtr& keyframe) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (keyframe != nullptr) keyframe_ = keyframe;
+  if (keyframe != nullptr) keyframe_ = {IncomingMesh{keyframe}, {}};
 }
 
 bool MeshInput::hasWaiting() const {
@@ -120,16 +130,16 @@ void MeshInput::dropIf(const std::function<bool(const ros::Time&)>& unwanted) {
 // To validate triangles takes time, so the lock is not held meanwhile: publishers' callbacks do not
 // wait for it.
 Acceptance MeshInput::take(const ros::Time& now, IncomingMesh* taken) {
-  DeformableMesh::ConstPtr keyframe;
+  Keyframe keyframe;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!waiting_) return Acceptance::kNothing;
     *taken = std::move(*waiting_);
     waiting_.reset();
-    keyframe = std::exchange(keyframe_, nullptr);
+    keyframe = std::exchange(keyframe_, Keyframe());
   }
   const std::shared_ptr<const Topology> before = topology_;
-  const Acceptance answer = decide(keyframe.get(), now, taken);
+  const Acceptance answer = decide(keyframe, now, taken);
 
   const std::lock_guard<std::mutex> lock(mutex_);
   counters_.dropped += answer == Acceptance::kDropped;
@@ -146,15 +156,14 @@ Acceptance MeshInput::take(const ros::Time& now, IncomingMesh* taken) {
 }
 
 // Triangles are learned first: they count even if their own message is dropped or rejected.
-Acceptance MeshInput::decide(const DeformableMesh* keyframe, const ros::Time& now,
-                             IncomingMesh* mesh) {
+Acceptance MeshInput::decide(const Keyframe& keyframe, const ros::Time& now, IncomingMesh* mesh) {
   try {
-    if (keyframe != nullptr) learnTopology(*keyframe);
+    if (keyframe.mesh.message != nullptr) learnTopology(keyframe);
     if (!mesh->problem.empty()) rejectMesh(mesh->problem);
     checkHeader(*mesh->message);
     if (isOutOfOrder(mesh->stamp(), now)) return Acceptance::kDropped;
     checkAge(mesh->stamp(), now);
-    checkTopology(*mesh->message);
+    checkTopology(*mesh);
     mesh->topology = topology_;
     return keep(*mesh) ? Acceptance::kJumped : Acceptance::kAccepted;
   } catch (const std::exception& error) {
@@ -202,40 +211,72 @@ void MeshInput::checkAge(const ros::Time& stamp, const ros::Time& now) const {
   if (isOld(stamp, now)) {
     constexpr double kRecordedS = 60;  // nothing takes so long to arrive
     rejectMesh("header.stamp is " + std::to_string(-ahead_s) + " s old, and max_mesh_age_s less; " +
-               (-ahead_s < kRecordedS ? "it came late, or its machine's clock is behind"
-                                      : "a bag needs /clock and use_sim_time"));
+               (-ahead_s < kRecordedS
+                    ? "it came late, or its machine's clock is behind"
+                    : "a bag needs /clock, and use_sim_time before the monitor starts"));
   }
 }
 
-// Invalid triangles take the old ones away: the publisher means the new ones from now on.
-void MeshInput::learnTopology(const DeformableMesh& keyframe) {
-  const std::size_t vertex_count = keyframe.vertices.size() / 3;
-  if (topology_ && topology_->id == keyframe.topology_id &&
-      topology_->vertex_count == vertex_count && topology_->triangles == keyframe.triangles) {
+// A mesh whose connection is not known may use all triangles. A new connection never equals one
+// that ended, because the pointers to that one have expired.
+bool MeshInput::contains(const Connections& connections,
+                         const boost::shared_ptr<const void>& connection) {
+  return connection == nullptr ||
+         std::any_of(connections.begin(), connections.end(),
+                     [&connection](const auto& other) { return other.lock() == connection; });
+}
+
+void MeshInput::add(const boost::shared_ptr<const void>& connection, Connections* connections) {
+  connections->erase(std::remove_if(connections->begin(), connections->end(),
+                                    [](const auto& other) { return other.expired(); }),
+                     connections->end());
+  if (!contains(*connections, connection)) connections->emplace_back(connection);
+}
+
+// Invalid triangles take the old ones away: the publisher means the new ones from now on. Equal
+// triangles of several connections are one topology.
+void MeshInput::learnTopology(const Keyframe& keyframe) {
+  const DeformableMesh& message = *keyframe.mesh.message;
+  const std::size_t vertex_count = message.vertices.size() / 3;
+  const bool has_same_id = topology_ && topology_->id == message.topology_id;
+  if (has_same_id && topology_->vertex_count == vertex_count &&
+      topology_->triangles == message.triangles) {
+    for (const auto& sender : keyframe.senders) add(sender.lock(), &senders_);
     return;
   }
+  const boost::shared_ptr<const void>& connection = keyframe.mesh.connection;
+  if (has_same_id && connection != nullptr && contains(senders_, connection)) {
+    rivals_.noteReusedId(keyframe.mesh);
+  }
+  senders_ = keyframe.senders;
   try {
-    validate({keyframe.vertices, keyframe.triangles},
-             "topology " + std::to_string(keyframe.topology_id));
+    validate({message.vertices, message.triangles},
+             "topology " + std::to_string(message.topology_id));
     topology_ = std::make_shared<const Topology>(
-        Topology{keyframe.topology_id, vertex_count, keyframe.triangles});
+        Topology{message.topology_id, vertex_count, message.triangles});
     rejected_topology_.reset();
   } catch (const std::invalid_argument& error) {
     topology_ = nullptr;
-    rejected_topology_ = {keyframe.topology_id, error.what()};
+    rejected_topology_ = {message.topology_id, error.what()};
     throw;
   }
 }
 
 // If the newest triangles of this id are invalid, the reason is theirs and not that they are
 // missing.
-void MeshInput::checkTopology(const DeformableMesh& message) const {
+void MeshInput::checkTopology(const IncomingMesh& mesh) const {
+  const DeformableMesh& message = *mesh.message;
   if (rejected_topology_ && rejected_topology_->id == message.topology_id) {
     rejectMesh(rejected_topology_->problem);
   }
   if (!topology_ || topology_->id != message.topology_id) {
     rejectMesh("no triangles of topology_id " + std::to_string(message.topology_id) +
                " seen yet; publishers send them on change and at least once a second");
+  }
+  if (!contains(senders_, mesh.connection)) {
+    rejectMesh("no triangles of topology_id " + std::to_string(message.topology_id) +
+               " seen from this publisher since it connected, or since another one sent different "
+               "ones; publishers send them on change and at least once a second");
   }
   if (message.vertices.size() != 3 * topology_->vertex_count) {
     rejectMesh(std::to_string(message.vertices.size()) + " vertex coordinates, but topology_id " +

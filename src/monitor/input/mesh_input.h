@@ -5,6 +5,8 @@
 #include <deformable_contact_monitor/DeformableMesh.h>
 #include <ros/time.h>
 
+#include <boost/shared_ptr.hpp>
+#include <boost/weak_ptr.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -13,6 +15,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "monitor/input/incoming_mesh.h"
 #include "monitor/input/rival_publishers.h"
@@ -51,7 +54,8 @@ struct MeshLimits {
 // thread accepted as long as a cycle may need them.
 //
 // Triangles come with a message, or stay as they were when their topology_id was last sent. So the
-// newest triangles are kept even if their message is dropped before anyone takes it.
+// newest triangles are kept even if their message is dropped before anyone takes it. They hold only
+// for the connections that sent them: a publisher that starts anew may mean others by the same id.
 //
 // A rejected mesh leaves the object without any mesh: an older one must not pass for fresh.
 class MeshInput {
@@ -73,7 +77,8 @@ class MeshInput {
   std::optional<IncomingMesh> newest(std::string* why_not) const;
   // Returns when the deletion arrived that waits; nothing: none does.
   std::optional<SteadyTime> deletedAt() const;
-  // Returns which nodes publish different meshes of the object in turn; empty: none.
+  // Returns which nodes publish different meshes of the object in turn, or which one changed the
+  // triangles and kept their topology_id; empty: none.
   std::string rivals(SteadyTime now) const { return rivals_.describe(now); }
 
   // The following functions must be called by one thread, the detection thread.
@@ -110,19 +115,29 @@ class MeshInput {
   void forget();
 
  private:
+  using Connections = std::vector<boost::weak_ptr<const void>>;
+  // A mesh with triangles, and the connections that sent them. No message: there is none.
+  struct Keyframe {
+    IncomingMesh mesh{};
+    Connections senders{};
+  };
   struct RejectedTopology {
     std::uint32_t id;
     std::string problem;
   };
 
-  Acceptance decide(const DeformableMesh* keyframe, const ros::Time& now, IncomingMesh* mesh);
+  static bool contains(const Connections& connections,
+                       const boost::shared_ptr<const void>& connection);
+  static void add(const boost::shared_ptr<const void>& connection, Connections* connections);
+
+  Acceptance decide(const Keyframe& keyframe, const ros::Time& now, IncomingMesh* mesh);
   bool isOld(const ros::Time& stamp, const ros::Time& now) const;
   bool isOutOfOrder(const ros::Time& stamp, const ros::Time& now) const;
   // The following four throw std::invalid_argument if the mesh is to be rejected.
   void checkHeader(const DeformableMesh& message) const;
   void checkAge(const ros::Time& stamp, const ros::Time& now) const;
-  void learnTopology(const DeformableMesh& keyframe);
-  void checkTopology(const DeformableMesh& message) const;
+  void learnTopology(const Keyframe& keyframe);
+  void checkTopology(const IncomingMesh& mesh) const;
   bool keep(const IncomingMesh& mesh);
 
   const std::string object_;
@@ -133,7 +148,7 @@ class MeshInput {
   mutable std::mutex mutex_;  // guards the next seven members; never held for long
   std::optional<IncomingMesh> waiting_, deletion_;
   std::optional<IncomingMesh> newest_;  // the last of accepted_, for other threads
-  DeformableMesh::ConstPtr keyframe_;   // newest message with triangles since the last take()
+  Keyframe keyframe_;                   // newest triangles since the last take()
   MeshCounters counters_;
   DeformableMesh::ConstPtr last_;  // the message that came last, with its stamp at that time
   ros::Time last_stamp_;
@@ -141,6 +156,7 @@ class MeshInput {
   // Only the detection thread uses what follows.
   std::deque<IncomingMesh> accepted_;  // ascending stamps
   std::shared_ptr<const Topology> topology_;
+  Connections senders_;                                // of the triangles of topology_
   std::optional<RejectedTopology> rejected_topology_;  // if the newest triangles are invalid
 };
 

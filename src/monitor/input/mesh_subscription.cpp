@@ -8,6 +8,7 @@
 #include <boost/make_shared.hpp>
 #include <chrono>
 #include <memory>
+#include <type_traits>
 #include <utility>
 
 #include "monitor/input/adapter_choice.h"
@@ -108,6 +109,10 @@ ros::SubscribeOptions subscription(const std::string& topic, std::size_t max_byt
         mesh.arrival =
             std::chrono::steady_clock::now() - fromSeconds(waitedS(event.getReceiptTime()));
         mesh.publisher = event.getPublisherName();
+        // roscpp keeps one header for each connection. An adapter has one topology for all of them.
+        if constexpr (std::is_same_v<M, DeformableMesh>) {
+          mesh.connection = event.getConnectionHeaderPtr();
+        }
         receive(mesh);
       });
   options.transport_hints = ros::TransportHints().tcpNoDelay();

@@ -43,6 +43,16 @@ void RivalPublishers::look(const IncomingMesh& mesh) {
   last_[mesh.publisher] = mesh;
 }
 
+void RivalPublishers::noteReusedId(const IncomingMesh& mesh) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  rivals_ = (mesh.publisher.empty() ? "its publisher" : mesh.publisher) +
+            " changed the triangles and kept topology_id " +
+            std::to_string(mesh.message->topology_id) +
+            "; it must change both together, because meshes without triangles may be read with the "
+            "wrong ones";
+  when_ = mesh.arrival;
+}
+
 std::string RivalPublishers::describe(SteadyTime now) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return now - when_ <= kRemembered ? rivals_ : "";

@@ -18,7 +18,12 @@ class RivalPublishers {
   // Takes each mesh in the order of arrival.
   void look(const IncomingMesh& mesh);
 
-  // Returns which two nodes were rivals last; empty: none within 5 s before `now`.
+  // Takes a mesh whose publisher changed the triangles and kept their topology_id. It is described
+  // like rivals.
+  void noteReusedId(const IncomingMesh& mesh);
+
+  // Returns which two nodes were rivals last, or which one changed triangles under their id,
+  // whatever came later; empty: nothing of both within 5 s before `now`.
   std::string describe(SteadyTime now) const;
 
  private:

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mesh_messages.h"
@@ -52,13 +53,13 @@ class MeshSubscriptionTest : public ::testing::Test {
     return hand(options_.helper->deserialize(params));
   }
 
-  // Hands a message over as roscpp does if its publisher is in the same process.
+  // Hands a message over as roscpp does if its publisher is in the same process. The header is that
+  // of one connection.
   IncomingMesh hand(const ros::VoidConstPtr& message) {
     received_ = IncomingMesh();
     ros::SubscriptionCallbackHelperCallParams params;
-    params.event =
-        ros::MessageEvent<void const>(message, boost::make_shared<ros::M_string>(), receipt_, false,
-                                      ros::MessageEvent<void const>::CreateFunction());
+    params.event = ros::MessageEvent<void const>(message, header_, receipt_, false,
+                                                 ros::MessageEvent<void const>::CreateFunction());
     options_.helper->call(params);
     return received_;
   }
@@ -68,6 +69,7 @@ class MeshSubscriptionTest : public ::testing::Test {
                             [this](const IncomingMesh& mesh) { received_ = mesh; });
   }
 
+  boost::shared_ptr<ros::M_string> header_ = boost::make_shared<ros::M_string>();
   ros::Time receipt_ = kReceipt;
   IncomingMesh received_;
   ros::SubscribeOptions options_ = subscribe(ObjectParameters());
@@ -77,6 +79,15 @@ TEST_F(MeshSubscriptionTest, AMeshArrivesAsItWasSent) {
   const IncomingMesh received = arrive(serialized(sample()));
   EXPECT_EQ(received.problem, "");
   EXPECT_EQ(serialized(*received.message), serialized(sample()));
+}
+
+TEST_F(MeshSubscriptionTest, AMeshNamesTheConnectionByWhichItCame) {
+  EXPECT_EQ(arrive(serialized(sample())).connection, header_);
+  const auto before = std::exchange(header_, boost::make_shared<ros::M_string>());
+  EXPECT_NE(arrive(serialized(sample())).connection, before);
+  EXPECT_EQ(received_.connection, header_);
+  header_ = nullptr;
+  EXPECT_EQ(arrive(serialized(sample())).connection, nullptr);
 }
 
 // The cycle's budget (budget_ms) includes the time that a message waited.
@@ -231,6 +242,7 @@ TEST_P(AdaptedSubscriptionTest, AMessageArrivesAsAMeshOnBothWays) {
   EXPECT_EQ(of_wire.message->vertices, triangle().vertices);
   EXPECT_TRUE(of_wire.message->triangles.empty()) << "they are the same";
   EXPECT_EQ(of_wire.message->topology_id, of_process.message->topology_id);
+  EXPECT_EQ(of_wire.connection, nullptr) << "they hold for all publishers";
   EXPECT_EQ(of_wire.message->header.stamp, stamp());
   EXPECT_EQ(of_wire.message->header.frame_id, "camera");
 }
