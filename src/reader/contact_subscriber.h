@@ -2,6 +2,7 @@
 #pragma once
 
 #include <ros/console.h>
+#include <ros/message_event.h>
 #include <ros/names.h>
 #include <ros/node_handle.h>
 #include <ros/param.h>
@@ -9,6 +10,7 @@
 #include <ros/time.h>
 #include <ros/transport_hints.h>
 
+#include <chrono>
 #include <cmath>
 #include <mutex>
 #include <optional>
@@ -16,6 +18,7 @@
 #include <vector>
 
 #include "reader/contact_reader.h"
+#include "reader/rival_monitors.h"
 
 namespace deformable_contact_monitor {
 
@@ -30,6 +33,7 @@ class ContactSubscriber {
                     const ReaderRules& rules = ReaderRules())
       : clearance_m_(rules.clearance_m),
         reader_(rules),
+        rivals_(node.resolveName(topic)),
         monitor_(ros::names::parentNamespace(node.resolveName(topic))),
         subscriber_(node.subscribe(topic, 1, &ContactSubscriber::store, this,
                                    ros::TransportHints().tcpNoDelay())) {}
@@ -62,11 +66,19 @@ class ContactSubscriber {
 
  private:
   // Takes a message. The first one with states also tells the pairs, so it starts the check below.
-  void store(const ContactStates& states) {
+  // While two nodes publish, nothing is known.
+  void store(const ros::MessageEvent<const ContactStates>& event) {
+    const ContactStates& states = *event.getConstMessage();
     bool is_first = false;
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      reader_.store(states, ros::Time::now());
+      const std::string problem =
+          rivals_.look(event.getPublisherName(), std::chrono::steady_clock::now());
+      if (problem.empty()) {
+        reader_.store(states, ros::Time::now());
+      } else {
+        reader_.forget(problem);
+      }
       is_first = !margins_checked_ && !states.states.empty();
       margins_checked_ = margins_checked_ || is_first;
     }
@@ -102,6 +114,7 @@ class ContactSubscriber {
   const double clearance_m_;
   mutable std::mutex mutex_;  // guards what follows
   ContactReader reader_;
+  RivalMonitors rivals_;
   bool margins_checked_ = false;
   const std::string monitor_;         // its private namespace
   mutable std::mutex margins_mutex_;  // guards what follows

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstddef>
 #include <fstream>
 #include <limits>
@@ -11,6 +12,8 @@
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "reader/rival_monitors.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -154,6 +157,19 @@ TEST(ContactReaderTest, distancesAreCertainAsTheTableSays) {
     const double distance = certainDistance(stateOf(given, {}), tolerance_m);
     EXPECT_EQ(distance, numberOf(given.at("distance"))) << given.dump();
   }
+}
+
+TEST(RivalMonitors, oneThatIsStartedAgainIsNone) {
+  RivalMonitors rivals("/states");
+  const RivalMonitors::Time start;
+  const auto at = [&](int ms) { return start + std::chrono::milliseconds(ms); };
+  EXPECT_EQ(rivals.look("/a", at(0)), "");
+  EXPECT_EQ(rivals.look("/a", at(9000)), "") << "after a silence, under the same name";
+  const std::string both = "two nodes publish /states: /a and /b; stop one of them";
+  EXPECT_EQ(rivals.look("/b", at(9100)), both);
+  EXPECT_EQ(rivals.look("/a", at(9200)), both);
+  EXPECT_EQ(rivals.look("/b", at(11200)), both);
+  EXPECT_EQ(rivals.look("/b", at(11201)), "") << "/a is gone";
 }
 
 TEST(ContactReaderTest, badRulesAreRefused) {

@@ -79,11 +79,24 @@ class Controllers(unittest.TestCase):
             self.says("panda_hand and cloth: CONTACT")
             self.monitor.state.state = ContactState.ALLOWED
             self.says("panda_hand may move")
+            self.check_rival()
             self.monitor.silent = True
             self.says("no states came for ")
         finally:
             program.terminate()
             program.wait(20)
+
+    def check_rival(self):
+        """A second node publishes the states, and ends."""
+        rival = subprocess.Popen(["rostopic", "pub", "-r", "10", "/contact_monitor/contact_states",
+                                  ContactStates._type, "{}", "__name:=a_rival"],
+                                 stdout=subprocess.DEVNULL)
+        try:
+            self.says("two nodes publish /contact_monitor/contact_states: ")
+        finally:
+            rival.terminate()
+            rival.wait(20)
+        self.says("panda_hand may move")
 
     def says(self, text):
         self.log.wait(repr(text), lambda m: m.name == "/controller" and m.msg.startswith(text),

@@ -11,6 +11,7 @@ import time
 NONE, NEAR, CONTACT, ALLOWED, UNKNOWN, PASSED = range(6)
 
 _MOST_NAMES = 8
+_GONE_AFTER_S = 2  # a monitor publishes at least once a second
 CLOCK_SLACK_S = 0.1
 """ROS time may differ by so much between this process and the monitor's: states stamped farther
 ahead are not known."""
@@ -334,6 +335,7 @@ class ContactSubscriber:
         self._now = rospy.Time.now
         self._lock = threading.Lock()
         self._reader = ContactReader(**rules)
+        self._topic, self._heard_s = rospy.resolve_name(topic), {}
         self._subscriber = rospy.Subscriber(topic, ContactStates, self._store, queue_size=1,
                                             tcp_nodelay=True)
 
@@ -373,13 +375,29 @@ class ContactSubscriber:
         return self._margins
 
     def _store(self, states):
+        header = getattr(states, "_connection_header", None) or {}
         if not isinstance(states.states, list):
             states = self._without_arrays(states)
         with self._lock:
-            self._reader.store(states, self._now())
+            problem = self._rivals(header.get("callerid", ""), time.monotonic())
+            if problem:
+                self._reader.forget(problem)
+            else:
+                self._reader.store(states, self._now())
         if states.states and not self._margins_checked:
             self._margins_checked = True
             self._check_margins(states)
+
+    def _rivals(self, publisher, now_s):
+        """Which two nodes publish the states, as a nodelet beside a node does; "": one alone. Nobody
+        knows which of them is right."""
+        self._heard_s[publisher] = now_s
+        self._heard_s = {name: heard_s for name, heard_s in self._heard_s.items()
+                         if now_s - heard_s <= _GONE_AFTER_S}
+        if len(self._heard_s) == 1:
+            return ""
+        return "two nodes publish %s: %s and %s; stop one of them" % (
+            (self._topic,) + tuple(sorted(self._heard_s)[:2]))
 
     @staticmethod
     def _without_arrays(states):

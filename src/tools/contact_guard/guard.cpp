@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -14,9 +13,6 @@
 
 namespace deformable_contact_monitor {
 namespace {
-
-// A monitor may publish only once a second. So one that was silent for so long is gone.
-constexpr double kGoneAfterS = 2;
 
 // Makes ContactReader answer "no" for a pair at stop_distance_m or nearer.
 ReaderRules readerRules(const GuardParameters& parameters) {
@@ -35,6 +31,7 @@ std::string speed(double value) { return formatted("%.3f m/s", value); }
 Guard::Guard(const GuardParameters& parameters, SteadyTime start)
     : parameters_(parameters),
       reader_(readerRules(parameters)),
+      rivals_(parameters.monitor + "/contact_states"),
       heard_(start),
       clock_moved_(start),
       latched_(parameters.latch) {}
@@ -45,7 +42,7 @@ void Guard::store(const ContactStates& states, const std::string& publisher, con
                   SteadyTime steady_now) {
   watchClock(now, steady_now);
   heard_ = steady_now;
-  const std::string problem = rivals(publisher, steady_now);
+  const std::string problem = rivals_.look(publisher, steady_now);
   if (problem.empty()) {
     reader_.store(states, now);
   } else {
@@ -56,21 +53,6 @@ void Guard::store(const ContactStates& states, const std::string& publisher, con
     if (counts(parameters_, state)) follow(state, newest.tolerance);
   }
   if (parameters_.latch) latch(causeOfStop(now, steady_now));
-}
-
-// Notes who published a message. Returns that another node publishes as well; empty: none does. The
-// states of two monitors contradict one another, and nobody knows which of them is right.
-std::string Guard::rivals(const std::string& publisher, SteadyTime steady_now) {
-  const double window_s = std::max({kGoneAfterS, parameters_.max_age_s, parameters_.max_silence_s});
-  publishers_[publisher] = steady_now;
-  for (auto one = publishers_.begin(); one != publishers_.end();) {
-    const bool is_gone = toSeconds(steady_now - one->second) > window_s;
-    one = is_gone ? publishers_.erase(one) : std::next(one);
-  }
-  if (publishers_.size() == 1) return "";
-  return "two nodes publish " + parameters_.monitor +
-         "/contact_states: " + publishers_.begin()->first + " and " +
-         std::next(publishers_.begin())->first + "; stop one of them";
 }
 
 // Forgets the states and how distances changed. Until states are stored again, the guard stops
@@ -143,7 +125,7 @@ std::string Guard::causeOfStop(const ros::Time& now, SteadyTime steady_now) {
   const std::string silence = silent_s > parameters_.max_silence_s
                                   ? "no states came for " + seconds(silent_s) + " of wall time"
                                   : "";
-  if (publishers_.size() > 1 && !silence.empty()) return silence;  // both have ended
+  if (rivals_.areThere() && !silence.empty()) return silence;  // both have ended
   const std::vector<std::string> all = {"*"};
   for (const std::string& body : parameters_.links.empty() ? all : parameters_.links) {
     const MoveAnswer answer = reader_.mayMove(body, now);

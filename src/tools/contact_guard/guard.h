@@ -18,6 +18,7 @@
 
 #include "core/steady_time.h"
 #include "reader/contact_reader.h"
+#include "reader/rival_monitors.h"
 #include "tools/contact_guard/closing_speed.h"
 #include "tools/contact_guard/guard_parameters.h"
 
@@ -71,7 +72,6 @@ class Guard {
   };
 
   // Parts of store() and decide(). guard.cpp says what each does.
-  std::string rivals(const std::string& publisher, SteadyTime steady_now);
   void forget(const std::string& because);
   void follow(const ContactState& state, double tolerance_m);
   void latch(const std::string& cause);
@@ -88,10 +88,10 @@ class Guard {
   std::map<PairName, Course> courses_;        // pairs that were NEAR or in CONTACT when last known
   std::map<PairName, ClosingSpeed> closing_;  // with time_to_contact_s, the same pairs
   ScaleHistory scales_;                       // the output so far
-  std::map<std::string, SteadyTime> publishers_;  // when the last message of each arrived
-  SteadyTime heard_;                              // arrival of the last message
-  SteadyTime clock_moved_;                        // when ROS time last changed
-  ros::Time ros_time_;                            // at the last call
+  RivalMonitors rivals_;                      // of the monitor
+  SteadyTime heard_;                          // arrival of the last message
+  SteadyTime clock_moved_;                    // when ROS time last changed
+  ros::Time ros_time_;                        // at the last call
   bool latched_;
   std::string latched_because_ = "not released since its start";
 };
