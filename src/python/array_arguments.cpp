@@ -269,7 +269,8 @@ py::array toHostArray(py::handle value, const std::string& name) {
   void* const to = array.mutable_data();
   if (bytes > 0) {
     // The stream may wait for work of other Python threads.
-    const OthersRun others_run;
+    const AtWork at_work;
+    const py::gil_scoped_release others_run;
     copyFromDevice(to, toPointer<const void>(from), bytes, stream);
   }
   return array;

@@ -61,6 +61,7 @@ void requireReadable(const std::string& path) {
 // Accepts text, bytes and path objects, as open() does. Other Python threads run while the file is
 // read.
 py::tuple readMesh(const py::object& path) {
+  const AtWork at_work;
   PyObject* bytes = nullptr;
   if (PyUnicode_FSConverter(path.ptr(), &bytes) == 0) throw py::error_already_set();
   const std::string name = py::reinterpret_steal<py::bytes>(bytes);
@@ -68,7 +69,7 @@ py::tuple readMesh(const py::object& path) {
   TriangleMesh mesh;
   MeshFileReport report;
   try {
-    const OthersRun others_run;
+    const py::gil_scoped_release others_run;
     mesh = readMeshFile(name, &report);
   } catch (const std::runtime_error& refused) {
     throw std::invalid_argument(refused.what());

@@ -1,5 +1,6 @@
 #include "python/others_run.h"
 
+#include <pybind11/pybind11.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -39,7 +40,7 @@ void waitForOthers() {
 
 }  // namespace
 
-OthersRun::Counted::Counted() {
+AtWork::AtWork() {
   if (others().ending && others().ended_by != std::this_thread::get_id()) {
     const py::gil_scoped_release released;
     while (true) pause();
@@ -47,7 +48,7 @@ OthersRun::Counted::Counted() {
   ++others().running;
 }
 
-OthersRun::Counted::~Counted() { --others().running; }
+AtWork::~AtWork() { --others().running; }
 
 void waitForOthersAtExit() {
   py::module::import("atexit").attr("register")(py::cpp_function(&waitForOthers));

@@ -76,6 +76,7 @@ class PythonBackend {
   // other threads run.
   template <class Work, class Copy>
   auto run(PythonScene* scene, const Work& work, const Copy& copy) {
+    const AtWork at_work;  // which may let other threads run, so the question comes after it
     requireUnused();
     const PythonScene::Looking looking(scene);
     // Ends with the global lock taken again, whatever the work throws.
@@ -88,7 +89,7 @@ class PythonBackend {
     } const working{this};
     working_.set();
     const auto& result = [&]() -> decltype(auto) {
-      const OthersRun others_run;
+      const pybind11::gil_scoped_release others_run;
       return work(used_.get());
     }();
     update();
