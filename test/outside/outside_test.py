@@ -45,7 +45,8 @@ WITH_ROS = cached("WITH_ROS").upper() in ("ON", "1", "TRUE", "YES")
 
 
 if WITH_ROS:  # test/ros/controllers.py uses them
-    PUBLIC_HEADERS["reader"] = {"contact_reader.h", "contact_subscriber.h", "monitor_margins.h"}
+    PUBLIC_HEADERS["reader"] = {"contact_reader.h", "contact_subscriber.h", "monitor_margins.h",
+                                "rival_monitors.h"}
 LIBRARIES = "core", "cuda"
 
 
