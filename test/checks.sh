@@ -1,7 +1,7 @@
 # What the modes of test/run share: the parts with their times, the list of problems, the summary
 # line. bash sources this file in the root of the source tree.
 
-problems=()
+problems=() failing_output=""
 passed=0 failed=0 skipped=0
 part="" part_start=0 part_times=()
 
@@ -16,10 +16,20 @@ say() {
   printf '\n== %s\n' "$*"
 }
 
-# Prints the times, the problems and the counts, and ends the run: with 0 if there is no problem,
-# else with 1. The counts are the last line.
+# last_lines LOG: the ends of what the first three failed tests printed, from ctest's log.
+last_lines() {
+  awk '/ Testing: /{name = $3} /^Output:$/{n = 0} {line[++n] = $0} /^<end of output>$/{end = n}
+    /^Test Failed\.$/ && ++failed <= 3{
+      print "\n-- " name " ended with"
+      for (i = (end > 28 ? end - 25 : 3); i < end; ++i) print line[i]
+    }' "$1"
+}
+
+# Prints the ends of what failed, the times, the problems and the counts, and ends the run: with 0
+# if there is no problem, else with 1. The counts are the last line.
 finish() {
   say "Result"
+  [ -z "$failing_output" ] || printf '%s\n\n' "$failing_output"
   printf '%s\n' "${part_times[@]}" "$(printf '%6d s  in all' $SECONDS)"
   for problem in "${problems[@]}"; do echo "FAILED: $problem"; done
   echo "$passed passed, $failed failed, $skipped skipped"
@@ -82,7 +92,10 @@ run_tests() {
   passed=$((total - failed - skipped))
   # The results of rostests say whether a test within was skipped.
   inner=$(grep -rlE '<skipped|\[  SKIPPED \]' "$build/test_results" 2>/dev/null)
-  [ $code -eq 0 ] || problems+=("ctest: $failed of $total tests failed")
+  if [ $code -ne 0 ]; then
+    problems+=("ctest: $failed of $total tests failed")
+    failing_output+=$(last_lines "$build/Testing/Temporary/LastTest.log")
+  fi
   [ "$total" -gt 0 ] || problems+=("no test ran")
   if [ -d "${DCM_TEST_DATA:-$PWD/../shared/data}" ]; then
     [ "$skipped" -eq 0 ] ||

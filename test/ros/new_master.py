@@ -5,22 +5,17 @@ and is no node."""
 import os
 import re
 import signal
-import socket
 import subprocess
 import tempfile
 import time
 import xmlrpc.client
 
+from pages import free_port
+
 WAIT_S = 60  # of wall time; far longer than anything takes, also on a busy machine
 HERE = os.path.dirname(os.path.abspath(__file__))
 DEVEL = os.path.join(os.environ["DCM_BINARY_DIR"], "devel")
 SAID = "was restarted, and this node is no longer registered with it"
-
-
-def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
 
 
 def wait_until(condition, what):

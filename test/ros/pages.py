@@ -1,6 +1,7 @@
 """What the pages of config/docs tell a reader to save and to type, and terminals to type it in."""
 import os
 import pathlib
+import random
 import re
 import shutil
 import signal
@@ -98,6 +99,10 @@ class PageCase(unittest.TestCase):
 
 
 def free_port():
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
+    """A port for a master that starts later. It is none of those that Linux gives to sockets that
+    ask for any, since another process may be given one of those until then."""
+    while True:
+        port = random.randrange(11400, 32768)
+        with socket.socket() as one:
+            if one.connect_ex(("127.0.0.1", port)) != 0:
+                return port

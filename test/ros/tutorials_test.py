@@ -119,8 +119,10 @@ class Tutorials(PageCase):
             self.check_bag(self.folder / "lifted_cloth.bag")
         recorder = self.start(record)
         recorder.wait("process.record_contacts.*started")
+        deadline = time.monotonic() + WAIT_S
         while not (self.folder / "run.bag.active").exists():
-            recorder.wait("process.record_contacts")
+            self.assertLess(time.monotonic(), deadline, f"no recording\n{recorder.text()}")
+            time.sleep(0.05)
         recorder.stop()
         self.assertTrue((self.folder / "run.bag").exists())
 
@@ -173,9 +175,10 @@ class Tutorials(PageCase):
                 np.testing.assert_allclose(one.position, other.position, atol=1e-12)
             elif topic == "/deformable_mesh":
                 self.assertEqual(one.triangles, other.triangles)
-                # Where the cloth is lifted, it may fall into other folds.
+                # Where the cloth is lifted, it may fall into other folds. A start that is 1e-8 m
+                # elsewhere changes vertices by 2.5 mm before that, and by 0.28 m after it.
                 if t.to_sec() < 1002:
-                    np.testing.assert_allclose(one.vertices, other.vertices, atol=1e-3)
+                    np.testing.assert_allclose(one.vertices, other.vertices, atol=1e-2)
                 self.assertLess(np.abs(np.subtract(one.vertices, other.vertices)).max(), 0.7)
 
 
