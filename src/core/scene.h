@@ -199,6 +199,7 @@ class DCM_EXPORT Scene {
     MeshMemory(const MeshMemory& /*other*/) {}
     MeshMemory(MeshMemory&&) = default;
     // A scene that is assigned to keeps its own memory.
+    // NOLINTNEXTLINE(bugprone-unhandled-self-assignment): nothing is assigned
     MeshMemory& operator=(const MeshMemory& /*other*/) { return *this; }
     MeshMemory& operator=(MeshMemory&&) = default;
 

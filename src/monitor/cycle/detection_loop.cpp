@@ -14,11 +14,8 @@
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
-namespace {
 
 constexpr char kNoClock[] = "no clock: use_sim_time is set, and nothing came on /clock";
-
-}  // namespace
 
 DetectionLoop::DetectionLoop(const MonitorParameters& parameters, LoopSources sources,
                              LoopTime time, std::unique_ptr<Detector> detector,

@@ -32,15 +32,6 @@ struct TransformReport {
   std::vector<Miss> misses;
 };
 
-// Returns a warning that lists the first few bodies that lack a transform, and why, one a line.
-std::string describeMisses(const TransformReport& transforms);
-
-// Returns a warning for each name in the rules and in the parameters' link_margin_m that no body
-// has, with the most similar name. Lists the first few names, and counts the others.
-std::vector<std::string> describeUnknownNames(const MonitorParameters& parameters,
-                                              const AllowedContacts& allowed,
-                                              const std::vector<BodyStatus>& bodies);
-
 // The pairs that a cycle is about: those of these objects, or those without a deformable object.
 struct CycleTrigger {
   std::vector<std::size_t> objects;

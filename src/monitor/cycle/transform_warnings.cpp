@@ -23,6 +23,19 @@ std::string listed(const std::vector<std::string>& names, std::size_t most) {
 
 }  // namespace
 
+std::string describeMisses(const TransformReport& transforms) {
+  constexpr std::size_t kShown = 5;
+  const std::vector<TransformReport::Miss>& misses = transforms.misses;
+  std::string text = "UNKNOWN for want of a transform:";
+  for (std::size_t i = 0; i < std::min(kShown, misses.size()); ++i) {
+    text += "\n  " + misses[i].body + ": " + misses[i].answer.problem;
+  }
+  if (misses.size() > kShown) {
+    text += "\n  and " + std::to_string(misses.size() - kShown) + " more";
+  }
+  return text;
+}
+
 std::string describeKnownFrames(std::vector<std::string> frames) {
   constexpr std::size_t kShown = 10;
   if (frames.empty()) return "no frame is known";

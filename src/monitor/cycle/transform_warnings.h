@@ -35,6 +35,9 @@ class TransformWarnings {
   SteadyTime::duration gap_{};  // between the last two warnings about frames that were never seen
 };
 
+// Returns a warning that lists the first few bodies that lack a transform, and why, one a line.
+std::string describeMisses(const TransformReport& transforms);
+
 // Returns "known frames: 'base', 'camera'", with the first few names in their order.
 std::string describeKnownFrames(std::vector<std::string> frames);
 

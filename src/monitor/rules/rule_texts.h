@@ -1,4 +1,4 @@
-// Puts the rules in force into words, for the answers of services and for the diagnostics.
+// Puts the rules in force into words, for the answers of services, the diagnostics and warnings.
 // contact_rules.h decides; this file only describes. All functions are pure.
 #pragma once
 
@@ -22,6 +22,12 @@ namespace deformable_contact_monitor {
 // object. `robot` is null while there is no robot.
 std::string attachProblem(const std::string& object, const std::vector<std::string>& links,
                           const MonitorParameters& parameters, const RobotGeometry* robot);
+
+// Returns a warning for each name in the rules and in the parameters' link_margin_m that no body
+// has, with the most similar name. Lists the first few names, and counts the others.
+std::vector<std::string> describeUnknownNames(const MonitorParameters& parameters,
+                                              const AllowedContacts& allowed,
+                                              const std::vector<BodyStatus>& bodies);
 
 // Returns "held: cloth by hand, finger; cable by hand", or "nothing is held".
 std::string describeHeld(const AttachedObjects& attached);

@@ -7,10 +7,10 @@
 #include <stdexcept>
 #include <vector>
 
-#include "monitor/cycle/monitor_scene.h"
 #include "monitor/diagnostics/robot_checks.h"
 #include "monitor/input/mesh_subscription.h"
 #include "monitor/input/transform_lookup.h"
+#include "monitor/rules/rule_texts.h"
 #include "robot/nearest_name.h"
 #include "tools/bags/bag_messages.h"
 #include "tools/bags/bag_robots.h"

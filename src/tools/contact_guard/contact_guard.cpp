@@ -138,7 +138,7 @@ class GuardNode {
 
   // Takes a message, and wakes run().
   void store(const ros::MessageEvent<const ContactStates>& event) {
-    const ContactStates::ConstPtr states = event.getConstMessage();
+    const ContactStates::ConstPtr& states = event.getConstMessage();
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       guard_.store(*states, event.getPublisherName(), ros::Time::now(), steadyNow());

@@ -122,9 +122,10 @@ std::string Guard::causeOfStop(const ros::Time& now, SteadyTime steady_now) {
   if (still_s > parameters_.max_silence_s) {
     return "ROS time stands still for " + seconds(still_s);
   }
-  const std::string silence = silent_s > parameters_.max_silence_s
-                                  ? "no states came for " + seconds(silent_s) + " of wall time"
-                                  : "";
+  std::string silence;
+  if (silent_s > parameters_.max_silence_s) {
+    silence = "no states came for " + seconds(silent_s) + " of wall time";
+  }
   if (rivals_.areThere() && !silence.empty()) return silence;  // both have ended
   const std::vector<std::string> all = {"*"};
   for (const std::string& body : parameters_.links.empty() ? all : parameters_.links) {

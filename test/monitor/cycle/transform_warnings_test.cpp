@@ -83,5 +83,24 @@ TEST(DescribeKnownFrames, ListsTheFirstInTheirOrder) {
   EXPECT_NE(many.find(" and 990 more"), std::string::npos) << many;
 }
 
+TransformReport misses(int count) {
+  TransformReport report;
+  for (int i = 0; i < count; ++i) {
+    TransformReport::Miss miss;
+    miss.body = "link" + std::to_string(i);
+    miss.answer.problem = "no data";
+    report.misses.push_back(miss);
+  }
+  return report;
+}
+
+TEST(DescribeMisses, FiveAreListedTheOthersCounted) {
+  EXPECT_EQ(describeMisses(misses(1)), "UNKNOWN for want of a transform:\n  link0: no data");
+  EXPECT_EQ(describeMisses(misses(5)).find("more"), std::string::npos);
+  const std::string seven = describeMisses(misses(7));
+  EXPECT_NE(seven.find("\n  link4: no data\n  and 2 more"), std::string::npos) << seven;
+  EXPECT_EQ(seven.find("link5"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace deformable_contact_monitor

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "monitor/cycle/monitor_scene.h"
 #include "monitor/diagnostics/robot_checks.h"
 #include "monitor/rules/parameters.h"
 #include "monitor/rules/rule_texts.h"

@@ -134,5 +134,43 @@ TEST_F(RulesInForceTest, OfManyTheFirstAreNamed) {
             "(srdf), link6 (srdf), link7 (srdf), link8 (srdf) and 3 more");
 }
 
+TEST(RuleTexts, NamesThatAreNoBodysAreFound) {
+  AllowedContacts allowed;
+  for (const auto& [a, b] :
+       {std::pair<const char*, const char*>{"arm", "*"}, {"cloth", "hnad"}, {"clth", "arm"}}) {
+    AllowedContact rule;
+    rule.body_a = a;
+    rule.body_b = b;
+    rule.allowed = true;
+    allowed.add(rule);
+  }
+  std::vector<BodyStatus> bodies(2);
+  bodies[0].name = "arm";
+  bodies[1].name = "cloth";
+  bodies[1].kind = BodyKind::kDeformable;
+  MonitorParameters parameters;
+  parameters.link_margin_m = {{"arm", 0.1}, {"amr", 0.1}, {"cloth", 0.1}};
+  EXPECT_EQ(describeUnknownNames(parameters, allowed, bodies),
+            (std::vector<std::string>{
+                "margins (~link_margin_m) name 'amr' (did you mean 'arm'?), which is no link that "
+                "is looked at",
+                "margins (~link_margin_m) name 'cloth', which is no link that is looked at",
+                "allowed contacts name 'clth' (did you mean 'cloth'?), which is no link or object",
+                "allowed contacts name 'hnad', which is no link or object"}));
+}
+
+TEST(RuleTexts, ManyUnknownNamesAreCounted) {
+  AllowedContacts allowed;
+  for (int i = 0; i < 50; ++i) {
+    AllowedContact rule;
+    rule.body_a = "*";
+    rule.body_b = "nothing" + std::to_string(i);
+    allowed.add(rule);
+  }
+  const auto lines = describeUnknownNames({}, allowed, {});
+  ASSERT_EQ(lines.size(), 21U);
+  EXPECT_EQ(lines.back(), "and 30 more names are unknown");
+}
+
 }  // namespace
 }  // namespace deformable_contact_monitor
