@@ -74,6 +74,7 @@ ContactMonitor::ContactMonitor(const ros::NodeHandle& node, const ros::NodeHandl
       parameters_(readParameters(private_node)),
       requests_(parameters_.allowed_contacts),
       meshes_(makeMeshInputs(parameters_)),
+      buffer_(ros::Time::now, parameters_.maxTransformGapS()),
       transforms_(buffer_, node),
       states_(parameters_, private_node),
       robot_source_(parameters_, node, private_node, [this] { noteRobot(); }),

@@ -146,7 +146,7 @@ class Monitor {
   const MonitorParameters parameters_;
   MonitorScene scene_;
   MeshInputs inputs_;
-  tf2::BufferCore buffer_;
+  TransformBuffer buffer_;
   const TransformLookup lookup_;
   const ros::SubscribeOptions subscription_;
   const boost::shared_ptr<ros::M_string> connection_ = boost::make_shared<ros::M_string>();

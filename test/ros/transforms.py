@@ -9,9 +9,10 @@ import rospy
 import rostest
 from rosgraph_msgs.msg import Clock
 from rosgraph_msgs.msg import Log as ConsoleLine
+from tf2_msgs.msg import TFMessage
 
 import boxes_scene
-from boxes_scene import CLOTH, REFERENCE_FRAME
+from boxes_scene import CLOTH, REFERENCE_FRAME, UPRIGHT
 from deformable_contact_monitor.msg import ContactEvent
 from monitor_test_support import (
     PACKAGE, ContactState, Log, MeshPublisher, Monitor, Transforms, pairs_of, touching,
@@ -148,6 +149,28 @@ class TransformTests(unittest.TestCase):
         later = self.monitor.contacts.messages[cycles:]
         self.assertFalse([m for m in later if m.header.stamp >= before and m.pairs],
                          "contacts from before the jump")
+
+    def test_the_fixed_frame_of_a_mesh_moves(self):
+        self.check_good_cycle()
+        static = rospy.Publisher("/tf_static", TFMessage, queue_size=1)
+        wait_until(lambda: static.get_num_connections() >= 1, "the monitor on /tf_static")
+        here = {"tray": (REFERENCE_FRAME, ((0, 0, 0), UPRIGHT))}
+        static.publish(transform_message(rospy.Time(), here))
+        both_touch = {("palm", "cloth"): CONTACT, ("finger", "cloth"): CONTACT}
+        until_frames_are_seen(lambda: self.cycle_on_the_tray({})[0])
+        self.assertEqual(self.cycle_on_the_tray(here)[1], both_touch)  # /tf says the same
+        moved = {"tray": (REFERENCE_FRAME, ((0, 0, 1), UPRIGHT))}
+        self.cycle_on_the_tray(moved)  # it may come after the mesh
+        contacts, states = self.cycle_on_the_tray({})
+        self.assertRegex(self.reason(contacts, "cloth"),
+                         "'tray' came on /tf_static .* and then on /tf .*restart this node")
+        self.assertEqual(set(states.values()), {UNKNOWN})
+        self.check_good_cycle()
+
+    def cycle_on_the_tray(self, further_edges):
+        stamp = self.tick()
+        self.transforms.send(stamp, {**boxes_scene.edges(), **further_edges})
+        return self.cycle(stamp, frame="tray")
 
 
 if __name__ == "__main__":

@@ -151,7 +151,7 @@ std::string describeStart(const MonitorParameters& parameters, const StartFacts&
 
 std::vector<std::string> missingTransforms(const MonitorParameters& parameters,
                                            const RobotGeometry* robot,
-                                           const tf2::BufferCore& transforms) {
+                                           const TransformBuffer& transforms) {
   std::vector<std::string> lines;
   const auto look = [&](const std::vector<FrameAtStamp>& frames, const std::string& what) {
     std::size_t count = 0;

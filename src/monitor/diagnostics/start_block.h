@@ -2,11 +2,10 @@
 // missing. All functions are pure.
 #pragma once
 
-#include <tf2/buffer_core.h>
-
 #include <string>
 #include <vector>
 
+#include "monitor/input/transform_buffer.h"
 #include "monitor/rules/parameters.h"
 #include "robot/robot_geometry.h"
 
@@ -33,6 +32,6 @@ std::string describeRobots(const RobotGeometry& robot);
 // rigid objects, each with the reason for the first of them. `robot` may be null.
 std::vector<std::string> missingTransforms(const MonitorParameters& parameters,
                                            const RobotGeometry* robot,
-                                           const tf2::BufferCore& transforms);
+                                           const TransformBuffer& transforms);
 
 }  // namespace deformable_contact_monitor

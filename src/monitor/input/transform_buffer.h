@@ -1,4 +1,5 @@
-// tf2's buffer of transforms, without those that a jump of the clock left behind.
+// tf2's buffer of transforms, with what tf2 forgets of them: which ones a jump of the clock left
+// behind, how long a frame's transforms failed to come, and that a frame is on both topics.
 #pragma once
 
 #include <geometry_msgs/TransformStamped.h>
@@ -6,46 +7,77 @@
 #include <tf2/buffer_core.h>
 
 #include <functional>
+#include <limits>
+#include <map>
 #include <mutex>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/steady_time.h"
 #include "monitor/input/usable_stamp.h"
 
 namespace deformable_contact_monitor {
 
-// A transform may be on its way when the clock goes back. Arriving later, it would be stamped ahead
-// of those of the new time, and tf2 would interpolate between the two, where it should answer that
-// the newest transform is not there yet. Any thread may call any function.
+// tf2 would give a pose in three cases in which nobody knows it:
+// - A transform may be on its way when the clock goes back. Arriving later, it would be stamped
+//   ahead of those of the new time, and tf2 would interpolate between the two.
+// - Transforms fail to come for seconds. Once they come again, tf2 interpolates across the gap.
+// - A frame's first transform decides for ever whether the frame is static. If one that came on
+//   /tf_static moves on /tf later, tf2 gives its newest transform for any stamp, also when the
+//   publisher is gone.
+// Any thread may call any function. What is put in by setTransform() is tf2's alone.
 class TransformBuffer : public tf2::BufferCore {
  public:
-  // `ros_now` returns ROS time; any thread may call it.
-  explicit TransformBuffer(std::function<ros::Time()> ros_now = ros::Time::now)
-      : ros_now_(std::move(ros_now)) {}
+  // `ros_now` returns ROS time; any thread may call it. A frame's transforms have a gap where, as
+  // the next one came, the newest was more than `max_gap_s` [s] behind both of it and the clock.
+  // Who publishes seldom, but stamps ahead, leaves no gap.
+  explicit TransformBuffer(std::function<ros::Time()> ros_now = ros::Time::now,
+                           double max_gap_s = std::numeric_limits<double>::infinity(),
+                           ros::Duration cache_time = ros::Duration(DEFAULT_CACHE_TIME))
+      : BufferCore(cache_time), ros_now_(std::move(ros_now)), max_gap_s_(max_gap_s) {}
 
-  // Adds a transform, unless a jump left it behind. Returns whether the buffer has it now. Throws
-  // as setTransform() of tf2 does.
+  // Adds a transform, unless a jump left it behind, or it is not on the topic of its frame's first
+  // one. Returns whether the frame is where it says. Throws as setTransform() of tf2 does.
   bool add(const geometry_msgs::TransformStamped& transform, const std::string& publisher,
-           bool is_static, SteadyTime steady_now) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (!is_static && window_.isLeftover(transform.header.stamp, ros_now_(), steady_now)) {
-      return false;
-    }
-    return setTransform(transform, publisher, is_static);
-  }
+           bool is_static, SteadyTime steady_now);
 
   // Drops all transforms but the static ones, and for half a second those that come from before.
-  void forget(SteadyTime steady_now) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    window_.open(steady_now);
-    clear();
-  }
+  void forget(SteadyTime steady_now);
+
+  // Returns why the pose of `frame` in `reference` at that stamp is not known, although tf2 may
+  // give one: a frame between the two has a gap then, or is on both topics. Empty: nothing is known
+  // against it.
+  std::string problemAt(const std::string& frame, const std::string& reference,
+                        const ros::Time& stamp) const;
 
  private:
+  struct Gap {
+    ros::Time begin, end;  // stamps of transforms; between them there is none
+  };
+  // What is known of a frame's transforms to its parent.
+  struct Child {
+    bool is_static = false;
+    geometry_msgs::TransformStamped first;  // and if it is static, the newest
+    std::string publisher;
+    ros::Time newest;
+    std::vector<Gap> gaps;  // of the last seconds, ascending
+    std::string contest;    // says that the frame is on both topics; empty: it is not
+  };
+
+  bool contest(const geometry_msgs::TransformStamped& transform, const std::string& publisher,
+               Child* child);
+  void noteStamp(const ros::Time& stamp, Child* child);
+  std::vector<std::string> framesBetween(const std::string& frame, const std::string& reference,
+                                         const ros::Time& stamp) const;
+
   const std::function<ros::Time()> ros_now_;
-  std::mutex mutex_;  // so that nothing slips in between the check and clear()
+  const double max_gap_s_;
+  mutable std::mutex mutex_;  // so that nothing slips in between a check and what follows from it
   LeftoverWindow window_;
+  std::map<std::string, Child> children_;  // by frame
+  ros::Time gaps_end_;                     // no gap ends later
+  bool any_contest_ = false;
 };
 
 }  // namespace deformable_contact_monitor

@@ -129,12 +129,16 @@ std::optional<ros::Time> TransformLookup::newestCommon(const std::vector<std::st
 
 PoseAnswer TransformLookup::ask(const FrameAtStamp& question) const {
   PoseAnswer answer = find(question);
-  if (answer.outcome == PoseAnswer::Outcome::kFound) return answer;
+  if (answer.outcome != PoseAnswer::Outcome::kNever) return answer;
   answer = explain(question);
-  if (answer.outcome != PoseAnswer::Outcome::kPast) return answer;
-  // The transform may have come between the two lookups.
-  const PoseAnswer again = find(question);
-  return again.outcome == PoseAnswer::Outcome::kFound ? again : answer;
+  if (answer.outcome == PoseAnswer::Outcome::kPast) {
+    // The transform may have come between the two lookups.
+    const PoseAnswer again = find(question);
+    if (again.outcome != PoseAnswer::Outcome::kNever) return again;
+  }
+  const std::string problem = problemOf(question);
+  if (!problem.empty()) answer.problem = problem;
+  return answer;
 }
 
 // Proposes frames that end with the names of missing ones: robots with a prefix have such frames.
@@ -158,13 +162,20 @@ std::string TransformLookup::prefixHint(const FrameAtStamp& question) const {
   return hint;
 }
 
+std::string TransformLookup::problemOf(const FrameAtStamp& question) const {
+  return buffer_.problemAt(question.frame, reference_frame_, question.stamp);
+}
+
 PoseAnswer TransformLookup::find(const FrameAtStamp& question) const {
   PoseAnswer answer;
   try {
     const geometry_msgs::TransformStamped found =
         buffer_.lookupTransform(reference_frame_, question.frame, question.stamp);
-    answer.pose = toRigidTransform(found.transform);
-    answer.outcome = PoseAnswer::Outcome::kFound;
+    // Only now: what spoils this pose may have come with its transform.
+    answer.problem = problemOf(question);
+    answer.outcome =
+        answer.problem.empty() ? PoseAnswer::Outcome::kFound : PoseAnswer::Outcome::kPast;
+    if (answer.problem.empty()) answer.pose = toRigidTransform(found.transform);
   } catch (const std::runtime_error&) {  // tf2's, or ros::Duration's if stamps are decades apart
     answer.outcome = PoseAnswer::Outcome::kNever;
   }

@@ -3,7 +3,6 @@
 
 #include <geometry_msgs/Transform.h>
 #include <ros/time.h>
-#include <tf2/buffer_core.h>
 
 #include <map>
 #include <optional>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "core/rigid_transform.h"
+#include "monitor/input/transform_buffer.h"
 
 namespace deformable_contact_monitor {
 
@@ -36,7 +36,7 @@ struct PoseAnswer {
   enum class Outcome {
     kFound,
     kLate,   // may still come: the newest transform is older than the stamp, or a reset removed it
-    kPast,   // will not come: the oldest transform is newer than the stamp
+    kPast,   // will not come: transforms are newer than the stamp, or the buffer has a problem
     kNever,  // nothing has ever connected the frame to the reference frame
   };
   Outcome outcome = Outcome::kNever;
@@ -49,7 +49,7 @@ struct PoseAnswer {
 class TransformLookup {
  public:
   // The buffer must outlive this.
-  TransformLookup(const tf2::BufferCore& buffer, std::string reference_frame)
+  TransformLookup(const TransformBuffer& buffer, std::string reference_frame)
       : buffer_(buffer), reference_frame_(std::move(reference_frame)) {}
 
   // Returns one answer for each question, in their order. A pose is always that of the very stamp.
@@ -77,11 +77,14 @@ class TransformLookup {
 
  private:
   PoseAnswer ask(const FrameAtStamp& question) const;
+  // What TransformBuffer::problemAt() says of it.
+  std::string problemOf(const FrameAtStamp& question) const;
+  // kNever: tf2 gives no pose.
   PoseAnswer find(const FrameAtStamp& question) const;
   PoseAnswer explain(const FrameAtStamp& question) const;
   std::string prefixHint(const FrameAtStamp& question) const;
 
-  const tf2::BufferCore& buffer_;
+  const TransformBuffer& buffer_;
   const std::string reference_frame_;
   std::map<std::string, ros::Time> given_up_;  // the newest stamp then, by frame
   std::set<std::string> seen_;                 // frames with a pose before a reset

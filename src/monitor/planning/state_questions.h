@@ -4,7 +4,6 @@
 #include <deformable_contact_monitor/StatesChecked.h>
 #include <deformable_contact_monitor/StatesToCheck.h>
 #include <ros/time.h>
-#include <tf2/buffer_core.h>
 
 #include <cstdint>
 #include <functional>
@@ -20,6 +19,7 @@
 #include "monitor/cycle/loop_requests.h"
 #include "monitor/cycle/monitor_scene.h"
 #include "monitor/input/mesh_input.h"
+#include "monitor/input/transform_buffer.h"
 #include "monitor/input/transform_lookup.h"
 #include "monitor/planning/moved_bodies.h"
 #include "monitor/rules/parameters.h"
@@ -31,7 +31,7 @@ namespace deformable_contact_monitor {
 struct QuestionSources {
   LoopRequests& requests;
   const MeshInputs& meshes;
-  const tf2::BufferCore& transforms;
+  const TransformBuffer& transforms;
   // Returns null while there is no robot, and another object when the robot has changed.
   std::function<std::shared_ptr<const RobotGeometry>()> newest_robot;
   std::function<ros::Time()> now;  // zero: no clock

@@ -141,6 +141,10 @@ struct MonitorParameters {
   // Returns `robots`, or the robot of robot_description, whose links' names get no prefix.
   std::vector<RobotParameters> allRobots() const;
 
+  // Returns how long the transforms of a frame may fail to come [s] before no pose is taken from
+  // between them. Where they always come so seldom, meshes are UNKNOWN most of the time anyway.
+  double maxTransformGapS() const { return max_mesh_age_s + tf_timeout_s; }
+
   // Returns the TF frame of a link.
   std::string frameOf(const std::string& link) const { return frame_prefix + link; }
 };

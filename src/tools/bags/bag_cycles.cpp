@@ -55,7 +55,8 @@ BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& con
       played_(played),
       scene_(parameters),
       inputs_(makeMeshInputs(parameters)),
-      buffer_(cacheTime(contents, parameters.max_mesh_age_s)),
+      buffer_([this] { return reading_; }, parameters.maxTransformGapS(),
+              cacheTime(contents, parameters.max_mesh_age_s)),
       lookup_(buffer_, parameters.reference_frame),
       planner_(parameters) {
   for (const ObjectParameters& object : parameters.objects) {
@@ -131,6 +132,7 @@ std::string BagCycles::run(BagReader* reader, const std::function<void(CycleRepo
 
 // Keeps a mesh until its cycle, and hands transforms to the buffer at once.
 void BagCycles::take(const BagMessage& message) {
+  reading_ = message.received;
   noteLate(message.received);
   for (; !changes_.empty() && *changes_.begin() <= message.received;
        changes_.erase(changes_.begin())) {
@@ -188,7 +190,7 @@ void BagCycles::takeTransforms(const BagMessage& message) {
 }
 
 void BagCycles::addTransform(const geometry_msgs::TransformStamped& transform, bool is_static) {
-  if (!buffer_.setTransform(transform, "bag", is_static)) {
+  if (!buffer_.add(transform, "the bag", is_static, SteadyTime())) {
     ++refused_transforms_;
     bad_transforms_ += !isValid(transform);
   }
@@ -265,7 +267,7 @@ void BagCycles::startPart(std::size_t part, const std::function<void(CycleReport
   newest_transform_ = ros::Time();
   release(visit);
   for (MeshInput& input : inputs_) input.forget();
-  buffer_.clear();
+  buffer_.forget(SteadyTime::min());  // of what was under way then, contents_.jumps decides
   forgets_ = "time jump: the clock went back by " +
              std::to_string(secondsBetween(jump.from, jump.to)) + " s";
   planner_.forgetAll(forgets_);

@@ -3,8 +3,6 @@
 // evaluate_bag and measure_trade both run their cycles through BagCycles.
 #pragma once
 
-#include <tf2/buffer_core.h>
-
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <deque>
@@ -17,6 +15,7 @@
 
 #include "monitor/cycle/monitor_scene.h"
 #include "monitor/cycle/step_planner.h"
+#include "monitor/input/transform_buffer.h"
 #include "monitor/rules/parameters.h"
 #include "robot/robot_geometry.h"
 #include "tools/bags/bag_contents.h"
@@ -138,7 +137,8 @@ class BagCycles {
   std::set<ros::Time> changes_;  // times of receipt when robot or static transforms change
   std::vector<RecordedMeshReader> mesh_readers_;  // by object
   MeshInputs inputs_;
-  tf2::BufferCore buffer_;
+  ros::Time reading_;  // when the message that is being read was received
+  TransformBuffer buffer_;
   const TransformLookup lookup_;
   StepPlanner planner_;
   std::vector<Event> events_;  // ascending stamps

@@ -116,7 +116,7 @@ class HoldTest : public ::testing::Test {
 
   MonitorParameters parameters_;
   RobotGeometry robot_;
-  tf2::BufferCore buffer_;
+  TransformBuffer buffer_;
   IncomingMesh mesh_;
 };
 

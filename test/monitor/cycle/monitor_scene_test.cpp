@@ -67,7 +67,7 @@ class MonitorSceneTest : public ::testing::Test {
 
   MonitorParameters parameters_ = parameters();
   MeshInputs inputs_ = makeMeshInputs(parameters_);
-  tf2::BufferCore buffer_;
+  TransformBuffer buffer_;
   MonitorScene scene_{parameters_};
 };
 

@@ -77,7 +77,7 @@ class GripTest : public ::testing::Test {
 
   MonitorParameters parameters_;
   AttachedObjects attached_;
-  tf2::BufferCore transforms_;
+  TransformBuffer transforms_;
   ros::Time now_{50.5};
 };
 

@@ -88,7 +88,7 @@ TEST(StartBlockTest, TellsRangesOfMarginsAndRigidObjects) {
 }
 
 TEST(StartBlockTest, MissingTransformsAreCountedAndExplained) {
-  tf2::BufferCore buffer;
+  TransformBuffer buffer;
   const auto connect = [&buffer](const std::string& frame) {
     geometry_msgs::TransformStamped transform;
     transform.header.frame_id = "base";

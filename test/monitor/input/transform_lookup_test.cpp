@@ -37,7 +37,7 @@ class TransformLookupTest : public ::testing::Test {
     return lookup_.isWorthWaiting({{frame, ros::Time(stamp_s)}});
   }
 
-  tf2::BufferCore buffer_;
+  TransformBuffer buffer_;
   TransformLookup lookup_{buffer_, "base"};
 };
 

@@ -136,7 +136,7 @@ class StateQuestionsTest : public ::testing::Test {
   ros::Time now_{100};
   LoopRequests requests_{AllowedContacts()};
   MeshInputs meshes_;
-  tf2::BufferCore transforms_;
+  TransformBuffer transforms_;
   std::shared_ptr<const RobotGeometry> robot_;
   std::unique_ptr<StateQuestions> questions_;
 };

@@ -36,7 +36,7 @@ TEST_F(StateQuestionsTest, StatesAreThoseOfCycles) {
   std::vector<NearestPair> least;
   for (int i = 0; i < 60; ++i) {
     positions.insert(positions.end(), {slide(random), turn(random)});
-    tf2::BufferCore transforms;
+    TransformBuffer transforms;
     putInto(&transforms, "arm", "base", 0, positions.back());
     putInto(&transforms, "hand", "arm", 1 + positions[positions.size() - 2], 0);
     putInto(&transforms, "tool_tip", "base", -5, 0);

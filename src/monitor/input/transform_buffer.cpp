@@ -1,0 +1,148 @@
+// tf2's buffer of transforms, with what tf2 forgets of them.
+#include "monitor/input/transform_buffer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "monitor/input/transform_lookup.h"
+#include "monitor/time_difference.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+// Returns whether both put the frame at the same place, but for the digits of a parameter file.
+bool areSame(const geometry_msgs::TransformStamped& a, const geometry_msgs::TransformStamped& b) {
+  constexpr double kTolerance = 1e-6;  // [m], and of the rotations' matrices
+  if (plainFrame(a.header.frame_id) != plainFrame(b.header.frame_id)) return false;
+  const RigidTransform one = toRigidTransform(a.transform), other = toRigidTransform(b.transform);
+  const auto are_close = [](double x, double y) { return std::abs(x - y) <= kTolerance; };
+  return std::equal(one.rotation, one.rotation + 9, other.rotation, are_close) &&
+         std::equal(one.translation, one.translation + 3, other.translation, are_close);
+}
+
+}  // namespace
+
+bool TransformBuffer::add(const geometry_msgs::TransformStamped& transform,
+                          const std::string& publisher, bool is_static, SteadyTime steady_now) {
+  const ros::Time& stamp = transform.header.stamp;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!is_static && window_.isLeftover(stamp, ros_now_(), steady_now)) return false;
+  const std::string frame = plainFrame(transform.child_frame_id);
+  const auto known = children_.find(frame);
+  const bool is_new = known == children_.end();
+  if (!is_new && known->second.is_static != is_static) {
+    return contest(transform, publisher, &known->second);
+  }
+  if (!setTransform(transform, publisher, is_static)) return false;
+  Child& child = children_[frame];
+  child.is_static = is_static;
+  if (is_new || is_static) {
+    child.first = transform;
+    child.publisher = publisher;
+  }
+  if (!is_static) noteStamp(stamp, &child);
+  return true;
+}
+
+// Takes a transform of the other topic than that of the frame's first one. One on /tf that says
+// what /tf_static says is no news. Where /tf was first, it counts as long as it comes.
+bool TransformBuffer::contest(const geometry_msgs::TransformStamped& transform,
+                              const std::string& publisher, Child* child) {
+  if (child->is_static && areSame(child->first, transform)) return true;
+  const char* const first = child->is_static ? "/tf_static" : "/tf";
+  const char* const second = child->is_static ? "/tf" : "/tf_static";
+  child->contest = "TF frame '" + plainFrame(transform.child_frame_id) + "' came on " + first +
+                   " (from " + child->publisher + ") and then on " + second + " (from " +
+                   publisher + "), and tf2 keeps to the first: publish it on one of them, and " +
+                   "restart this node";
+  any_contest_ = true;
+  return false;
+}
+
+// Transforms may come out of order, and end a gap in its midst.
+void TransformBuffer::noteStamp(const ros::Time& stamp, Child* child) {
+  const auto is_wide = [this](const ros::Time& begin, const ros::Time& end) {
+    return secondsBetween(end, begin) > max_gap_s_;
+  };
+  std::vector<Gap>& gaps = child->gaps;
+  if (stamp <= child->newest) {
+    const auto gap = std::find_if(gaps.begin(), gaps.end(), [&](const Gap& one) {
+      return one.begin < stamp && stamp < one.end;
+    });
+    if (gap == gaps.end()) return;
+    const Gap later{stamp, gap->end};
+    gap->end = stamp;
+    gaps.insert(gap + 1, later);
+    gaps.erase(std::remove_if(gaps.begin(), gaps.end(),
+                              [&](const Gap& one) { return !is_wide(one.begin, one.end); }),
+               gaps.end());
+    return;
+  }
+  const ros::Time before = std::exchange(child->newest, stamp);
+  if (before.isZero() || !is_wide(before, stamp) || !is_wide(before, ros_now_())) return;
+  const double kept_s = getCacheLength().toSec();
+  gaps.erase(
+      std::remove_if(gaps.begin(), gaps.end(),
+                     [&](const Gap& one) { return secondsBetween(stamp, one.end) > kept_s; }),
+      gaps.end());
+  gaps.push_back({before, stamp});
+  gaps_end_ = std::max(gaps_end_, stamp);
+}
+
+void TransformBuffer::forget(SteadyTime steady_now) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  window_.open(steady_now);
+  clear();
+  for (auto& named : children_) {
+    named.second.gaps.clear();
+    named.second.newest = ros::Time();
+  }
+  gaps_end_ = ros::Time();
+}
+
+std::string TransformBuffer::problemAt(const std::string& frame, const std::string& reference,
+                                       const ros::Time& stamp) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!any_contest_ && stamp >= gaps_end_) return "";
+  for (const std::string& name : framesBetween(frame, reference, stamp)) {
+    const auto found = children_.find(name);
+    if (found == children_.end()) continue;
+    const Child& child = found->second;
+    if (!child.contest.empty() && (child.is_static || stamp > child.newest)) return child.contest;
+    for (const Gap& gap : child.gaps) {
+      if (stamp <= gap.begin || stamp >= gap.end) continue;
+      std::ostringstream text;
+      text << "TF of '" << name << "' was silent for " << secondsBetween(gap.end, gap.begin)
+           << " s: wanted " << stamp << ", which is between " << gap.begin << " and " << gap.end;
+      return text.str();
+    }
+  }
+  return "";
+}
+
+// Returns the frames whose transforms to their parents lie on the way from one to the other.
+std::vector<std::string> TransformBuffer::framesBetween(const std::string& frame,
+                                                        const std::string& reference,
+                                                        const ros::Time& stamp) const {
+  constexpr std::size_t kMost = 1000;  // tf2's own limit against loops
+  const auto upwards = [&](const std::string& start) {
+    std::vector<std::string> names{plainFrame(start)};
+    std::string above;
+    while (names.size() < kMost && (_getParent(names.back(), stamp, above) ||
+                                    _getParent(names.back(), ros::Time(), above))) {
+      names.push_back(above);
+    }
+    return names;
+  };
+  std::vector<std::string> names = upwards(frame), others = upwards(reference);
+  while (!names.empty() && !others.empty() && names.back() == others.back()) {
+    names.pop_back();
+    others.pop_back();
+  }
+  names.insert(names.end(), others.begin(), others.end());
+  return names;
+}
+
+}  // namespace deformable_contact_monitor

@@ -1,0 +1,181 @@
+// Tests which poses are not known although tf2 gives them: within a gap of a frame's transforms,
+// and of frames that are on /tf and on /tf_static.
+#include "monitor/input/transform_buffer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <iterator>
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "monitor/input/transform_lookup.h"
+
+namespace deformable_contact_monitor {
+namespace {
+
+using Outcome = PoseAnswer::Outcome;
+
+class TransformBufferTest : public ::testing::Test {
+ protected:
+  // Adds the transform of `frame`, which comes at its stamp unless the clock is ahead.
+  bool add(const std::string& parent, const std::string& frame, double stamp_s, double x_m,
+           bool is_static = false) {
+    geometry_msgs::TransformStamped t;
+    t.header.frame_id = parent;
+    t.header.stamp = ros::Time(stamp_s);
+    t.child_frame_id = frame;
+    t.transform.translation.x = x_m;
+    t.transform.rotation.w = 1;
+    if (!is_static && !is_clock_held_) now_ = std::max(now_, t.header.stamp);
+    return buffer_.add(t, is_static ? "/fixed" : "/moving", is_static, SteadyTime());
+  }
+
+  PoseAnswer ask(const std::string& frame, double stamp_s) const {
+    return TransformLookup(buffer_, "base").lookup({{frame, ros::Time(stamp_s)}}).at(0);
+  }
+  Outcome outcome(const std::string& frame, double stamp_s) const {
+    return ask(frame, stamp_s).outcome;
+  }
+
+  ros::Time now_;
+  bool is_clock_held_ = false;
+  TransformBuffer buffer_{[this] { return now_; }, 0.5};
+};
+
+TEST_F(TransformBufferTest, AFrameThatWasStaticAndMovesIsNotKnown) {
+  EXPECT_TRUE(add("base", "arm", 0, 1, true));
+  EXPECT_TRUE(add("arm", "hand", 0, 1, true));
+  EXPECT_TRUE(add("base", "other", 0, 1, true));
+  EXPECT_TRUE(add("base", "arm", 1, 1)) << "it says what is known";
+  EXPECT_EQ(outcome("hand", 1.5), Outcome::kFound);
+  EXPECT_FALSE(add("base", "arm", 2, 1.5));
+  for (const double stamp_s : {1.0, 2.0, 9.0}) {
+    for (const std::string frame : {"arm", "hand"}) {
+      const PoseAnswer answer = ask(frame, stamp_s);
+      EXPECT_EQ(answer.outcome, Outcome::kPast) << frame << " at " << stamp_s;
+      EXPECT_EQ(answer.problem,
+                "TF frame 'arm' came on /tf_static (from /fixed) and then on /tf (from /moving), "
+                "and tf2 keeps to the first: publish it on one of them, and restart this node");
+    }
+  }
+  EXPECT_EQ(outcome("other", 2), Outcome::kFound);
+  buffer_.forget(SteadyTime::min());
+  EXPECT_EQ(outcome("hand", 2), Outcome::kPast) << "tf2 keeps static frames";
+  EXPECT_EQ(outcome("other", 2), Outcome::kFound);
+}
+
+TEST_F(TransformBufferTest, WhatIsAboveBothFramesDoesNotMatter) {
+  add("map", "base", 0, 1, true);
+  add("base", "arm", 1, 1);
+  add("map", "base", 1, 2);
+  EXPECT_EQ(outcome("arm", 1), Outcome::kFound);
+  EXPECT_EQ(outcome("map", 1), Outcome::kPast);
+}
+
+TEST_F(TransformBufferTest, AFrameThatMovedCountsUntilItStops) {
+  add("base", "arm", 1, 1);
+  EXPECT_FALSE(add("base", "arm", 1, 2, true));
+  EXPECT_TRUE(add("base", "arm", 1.4, 3));
+  EXPECT_EQ(outcome("arm", 1.2), Outcome::kFound);
+  const PoseAnswer late = ask("arm", 2);
+  EXPECT_EQ(late.outcome, Outcome::kLate);
+  EXPECT_NE(late.problem.find("came on /tf (from /moving) and then on /tf_static (from /fixed)"),
+            std::string::npos)
+      << late.problem;
+}
+
+TEST_F(TransformBufferTest, NothingIsKnownWithinAGap) {
+  add("base", "arm", 1, 1);
+  add("base", "arm", 3, 3);
+  add("arm", "hand", 0, 1, true);
+  add("base", "other", 0, 1, true);
+  const PoseAnswer answer = ask("hand", 2);
+  EXPECT_EQ(answer.outcome, Outcome::kPast);
+  EXPECT_EQ(answer.problem,
+            "TF of 'arm' was silent for 2 s: wanted 2.000000000, which is between 1.000000000 and "
+            "3.000000000");
+  EXPECT_EQ(outcome("other", 2), Outcome::kFound);
+  EXPECT_EQ(outcome("hand", 1), Outcome::kFound);
+  EXPECT_EQ(outcome("hand", 3), Outcome::kFound);
+  add("base", "arm", 1.6, 1.6);  // some transforms were only late
+  add("base", "arm", 2, 2);
+  add("base", "arm", 2.4, 2);
+  EXPECT_EQ(outcome("hand", 1.3), Outcome::kPast);
+  EXPECT_EQ(outcome("hand", 1.8), Outcome::kFound);
+  EXPECT_EQ(outcome("hand", 2.2), Outcome::kFound);
+  EXPECT_EQ(outcome("hand", 2.7), Outcome::kPast);
+}
+
+TEST_F(TransformBufferTest, WhoStampsAheadLeavesNoGap) {
+  is_clock_held_ = true;
+  for (const double second : {1, 2, 3}) {
+    now_ = ros::Time(second);
+    add("base", "arm", second + 1, second);  // as tf's static_transform_publisher does
+  }
+  EXPECT_EQ(outcome("arm", 2.5), Outcome::kFound);
+  EXPECT_EQ(outcome("arm", 3.5), Outcome::kFound);
+}
+
+TEST_F(TransformBufferTest, AResetEndsGaps) {
+  add("base", "arm", 11, 1);
+  add("base", "arm", 13, 1);
+  buffer_.forget(SteadyTime::min());
+  now_ = ros::Time(1);
+  add("base", "arm", 1, 1);
+  EXPECT_EQ(outcome("arm", 1), Outcome::kFound);
+  add("base", "arm", 1.4, 1);
+  EXPECT_EQ(outcome("arm", 1.2), Outcome::kFound);
+}
+
+// The definition: a stamp is known if on each frame below `base` its neighbours are close enough.
+TEST_F(TransformBufferTest, RandomTransformsAgreeWithTheDefinition) {
+  const std::vector<std::string> frames = {"base", "a", "b", "c"};
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> share(0, 1);
+    now_ = ros::Time(100);
+    TransformBuffer buffer([this] { return now_; }, 0.5);
+    std::vector<std::set<ros::Time>> stamps(frames.size());
+    const auto put = [&](std::size_t i, double stamp_s) {
+      geometry_msgs::TransformStamped t;
+      t.header.frame_id = frames[i - 1];
+      t.header.stamp = ros::Time(stamp_s);
+      t.child_frame_id = frames[i];
+      t.transform.rotation.w = 1;
+      ASSERT_TRUE(buffer.add(t, "/test", false, SteadyTime()));
+      stamps[i].insert(t.header.stamp);
+    };
+    for (std::size_t i = 1; i < frames.size(); ++i) put(i, 100);
+    double clock_s = 100;
+    for (int k = 0; k < 60; ++k) {
+      clock_s += 0.3 * share(random) * share(random);
+      if (share(random) < 0.05) clock_s += 0.6;
+      now_ = ros::Time(clock_s);
+      const double late_s = share(random) < 0.2 ? 0.8 * share(random) : 0;
+      if (clock_s - late_s > 100) put(1 + random() % 3, clock_s - late_s);
+    }
+    for (int k = 0; k < 300; ++k) {
+      const std::size_t frame = 1 + random() % 3;
+      const ros::Time stamp(100 + (clock_s - 100) * share(random));
+      bool is_known = true;
+      for (std::size_t i = 1; i <= frame; ++i) {
+        const auto after = stamps[i].lower_bound(stamp);
+        if (after == stamps[i].end()) {
+          is_known = false;
+        } else if (*after != stamp) {
+          is_known = is_known && (*after - *std::prev(after)).toSec() <= 0.5;
+        }
+      }
+      const PoseAnswer answer =
+          TransformLookup(buffer, "base").lookup({{frames[frame], stamp}}).at(0);
+      ASSERT_EQ(answer.outcome == Outcome::kFound, is_known) << stamp << ": " << answer.problem;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace deformable_contact_monitor
