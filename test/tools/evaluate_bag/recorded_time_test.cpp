@@ -116,6 +116,17 @@ TEST(RecordedTime, ACycleThatWaitsForTransformsKnowsWhatComesMeanwhile) {
   }
 }
 
+// Where the finger was for a second, no transform tells.
+TEST(RecordedTime, NothingIsKnownWithinAnOutageOfTransforms) {
+  WrittenBag bag;
+  bag.camera(0, 0);
+  for (int i = 1; i <= 15; ++i) {
+    if (i <= 3 || i >= 12) bag.finger(kPeriod * i);
+    bag.mesh(at(kPeriod * i + 0.01), at(kPeriod * i), "cloth");
+  }
+  EXPECT_EQ(statesOf(&bag, urdf("prismatic", 0.1)), "CCC????????CCCC");
+}
+
 // Such transforms are used, but the node would not have waited for them.
 TEST(RecordedTime, CyclesWithTransformsAfterTheTimeoutAreCounted) {
   for (const double timeout_s : {0.05, 0.2}) {
