@@ -133,7 +133,7 @@ PoseAnswer TransformLookup::ask(const FrameAtStamp& question) const {
   answer = explain(question);
   if (answer.outcome == PoseAnswer::Outcome::kPast) {
     // The transform may have come between the two lookups.
-    const PoseAnswer again = find(question);
+    PoseAnswer again = find(question);
     if (again.outcome != PoseAnswer::Outcome::kNever) return again;
   }
   const std::string problem = problemOf(question);
