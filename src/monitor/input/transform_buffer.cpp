@@ -50,6 +50,7 @@ bool TransformBuffer::add(const geometry_msgs::TransformStamped& transform,
 // what /tf_static says is no news. Where /tf was first, it counts as long as it comes.
 bool TransformBuffer::contest(const geometry_msgs::TransformStamped& transform,
                               const std::string& publisher, Child* child) {
+  if (!BufferCore().setTransform(transform, publisher, true)) return false;  // it is malformed
   if (child->is_static && areSame(child->first, transform)) return true;
   const char* const first = child->is_static ? "/tf_static" : "/tf";
   const char* const second = child->is_static ? "/tf" : "/tf_static";

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <random>
 #include <set>
@@ -65,6 +66,14 @@ TEST_F(TransformBufferTest, AFrameThatWasStaticAndMovesIsNotKnown) {
   buffer_.forget(SteadyTime::min());
   EXPECT_EQ(outcome("hand", 2), Outcome::kPast) << "tf2 keeps static frames";
   EXPECT_EQ(outcome("other", 2), Outcome::kFound);
+}
+
+TEST_F(TransformBufferTest, AMalformedTransformChangesNothing) {
+  add("base", "arm", 0, 1, true);
+  EXPECT_FALSE(add("base", "arm", 1, std::nan("")));
+  EXPECT_FALSE(add("arm", "arm", 1, 2));
+  EXPECT_FALSE(add("", "arm", 1, 2));
+  EXPECT_EQ(outcome("arm", 1), Outcome::kFound);
 }
 
 TEST_F(TransformBufferTest, WhatIsAboveBothFramesDoesNotMatter) {
