@@ -119,7 +119,10 @@ class RecordAndReplay(unittest.TestCase):
         """The cycles that looked at a mesh of the recording equal evaluate_bag's; their stamps."""
         stamps = []
         for message in contacts:
-            if any("tshirt" in text for text in message.skipped):
+            # The first mesh may reach the monitor before the first transform, as each topic has a
+            # connection of its own.
+            is_first = not stamps and any("never seen" in text for text in message.skipped)
+            if is_first or any("tshirt" in text for text in message.skipped):
                 self.assertFalse(message.complete)
                 continue
             stamp = message.header.stamp.to_nsec()
