@@ -437,11 +437,10 @@ CycleReport DetectionLoop::makeReport(const ros::Time& stamp) {
 
 // Warns of bodies without a transform. ROS_WARN_THROTTLE would not do: ROS time may stand still.
 void DetectionLoop::lookAtTransforms(const TransformReport& transforms) {
-  const SteadyTime now = time_.steady();
   const auto surroundings = [this] {
     return describeSurroundings(sources_.transforms, sources_.transform_publishers);
   };
-  const TransformWarnings::Said said = transform_warnings_.look(transforms, surroundings, now);
+  const auto said = transform_warnings_.look(transforms, surroundings, time_.steady());
   for (const std::string& line : said.news) ROS_INFO_STREAM(line);
   for (const std::string& line : said.warnings) {
     ROS_WARN_STREAM(line << "; see config/docs/console.md#no-transform");

@@ -38,11 +38,12 @@ bool TransformBuffer::add(const geometry_msgs::TransformStamped& transform,
   if (!setTransform(transform, publisher, is_static)) return false;
   Child& child = children_[frame];
   child.is_static = is_static;
-  if (is_new || is_static) {
-    child.first = transform;
-    child.publisher = publisher;
+  if (is_new || is_static) child.publisher = publisher;
+  if (is_static) {
+    child.fixed = transform;
+  } else {
+    noteStamp(stamp, &child);
   }
-  if (!is_static) noteStamp(stamp, &child);
   return true;
 }
 
@@ -50,8 +51,8 @@ bool TransformBuffer::add(const geometry_msgs::TransformStamped& transform,
 // what /tf_static says is no news. Where /tf was first, it counts as long as it comes.
 bool TransformBuffer::contest(const geometry_msgs::TransformStamped& transform,
                               const std::string& publisher, Child* child) {
+  if (child->is_static && areSame(child->fixed, transform)) return true;
   if (!BufferCore().setTransform(transform, publisher, true)) return false;  // it is malformed
-  if (child->is_static && areSame(child->first, transform)) return true;
   const char* const first = child->is_static ? "/tf_static" : "/tf";
   const char* const second = child->is_static ? "/tf" : "/tf_static";
   child->contest = "TF frame '" + plainFrame(transform.child_frame_id) + "' came on " + first +

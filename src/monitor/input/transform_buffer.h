@@ -58,7 +58,7 @@ class TransformBuffer : public tf2::BufferCore {
   // What is known of a frame's transforms to its parent.
   struct Child {
     bool is_static = false;
-    geometry_msgs::TransformStamped first;  // and if it is static, the newest
+    geometry_msgs::TransformStamped fixed;  // the newest, if it is static
     std::string publisher;
     ros::Time newest;
     std::vector<Gap> gaps;  // of the last seconds, ascending
