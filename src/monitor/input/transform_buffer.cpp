@@ -40,18 +40,19 @@ bool TransformBuffer::add(const geometry_msgs::TransformStamped& transform,
   child.is_static = is_static;
   if (is_new || is_static) child.publisher = publisher;
   if (is_static) {
-    child.fixed = transform;
+    child.newest = transform;
   } else {
-    noteStamp(stamp, &child);
+    noteStamp(transform, &child);
   }
   return true;
 }
 
 // Takes a transform of the other topic than that of the frame's first one. One on /tf that says
-// what /tf_static says is no news. Where /tf was first, it counts as long as it comes.
+// what /tf_static says is no news. In the other order, the frame is known as long as /tf comes.
 bool TransformBuffer::contest(const geometry_msgs::TransformStamped& transform,
                               const std::string& publisher, Child* child) {
-  if (child->is_static && areSame(child->fixed, transform)) return true;
+  const bool are_same = areSame(child->newest, transform);
+  if (child->is_static && are_same) return true;
   if (!BufferCore().setTransform(transform, publisher, true)) return false;  // it is malformed
   const char* const first = child->is_static ? "/tf_static" : "/tf";
   const char* const second = child->is_static ? "/tf" : "/tf_static";
@@ -59,17 +60,23 @@ bool TransformBuffer::contest(const geometry_msgs::TransformStamped& transform,
                    " (from " + child->publisher + ") and then on " + second + " (from " +
                    publisher + "), and tf2 keeps to the first: publish it on one of them, and " +
                    "restart this node";
+  if (!are_same) {
+    const geometry_msgs::TransformStamped& moving = child->is_static ? transform : child->newest;
+    const ros::Time from = std::min(moving.header.stamp, ros_now_());
+    child->differ_from = std::min(child->differ_from.value_or(from), from);
+  }
   any_contest_ = true;
   return false;
 }
 
 // Transforms may come out of order, and end a gap in its midst.
-void TransformBuffer::noteStamp(const ros::Time& stamp, Child* child) {
+void TransformBuffer::noteStamp(const geometry_msgs::TransformStamped& transform, Child* child) {
+  const ros::Time& stamp = transform.header.stamp;
   const auto is_wide = [this](const ros::Time& begin, const ros::Time& end) {
     return secondsBetween(end, begin) > max_gap_s_;
   };
   std::vector<Gap>& gaps = child->gaps;
-  if (stamp <= child->newest) {
+  if (stamp <= child->newest.header.stamp) {
     const auto gap = std::find_if(gaps.begin(), gaps.end(), [&](const Gap& one) {
       return one.begin < stamp && stamp < one.end;
     });
@@ -82,7 +89,7 @@ void TransformBuffer::noteStamp(const ros::Time& stamp, Child* child) {
                gaps.end());
     return;
   }
-  const ros::Time before = std::exchange(child->newest, stamp);
+  const ros::Time before = std::exchange(child->newest, transform).header.stamp;
   if (before.isZero() || !is_wide(before, stamp) || !is_wide(before, ros_now_())) return;
   const double kept_s = getCacheLength().toSec();
   gaps.erase(
@@ -99,7 +106,8 @@ void TransformBuffer::forget(SteadyTime steady_now) {
   clear();
   for (auto& named : children_) {
     named.second.gaps.clear();
-    named.second.newest = ros::Time();
+    named.second.newest.header.stamp = ros::Time();
+    if (named.second.differ_from) named.second.differ_from = ros::Time();
   }
   gaps_end_ = ros::Time();
 }
@@ -112,7 +120,9 @@ std::string TransformBuffer::problemAt(const std::string& frame, const std::stri
     const auto found = children_.find(name);
     if (found == children_.end()) continue;
     const Child& child = found->second;
-    if (!child.contest.empty() && (child.is_static || stamp > child.newest)) return child.contest;
+    const bool is_contested = child.differ_from ? stamp >= *child.differ_from
+                                                : stamp > child.newest.header.stamp;
+    if (!child.contest.empty() && is_contested) return child.contest;
     for (const Gap& gap : child.gaps) {
       if (stamp <= gap.begin || stamp >= gap.end) continue;
       std::ostringstream text;

@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,9 +24,9 @@ namespace deformable_contact_monitor {
 // - A transform may be on its way when the clock goes back. Arriving later, it would be stamped
 //   ahead of those of the new time, and tf2 would interpolate between the two.
 // - Transforms fail to come for seconds. Once they come again, tf2 interpolates across the gap.
-// - A frame's first transform decides for ever whether the frame is static. If one that came on
-//   /tf_static moves on /tf later, tf2 gives its newest transform for any stamp, also when the
-//   publisher is gone.
+// - A frame's first transform decides for ever whether the frame is static. If /tf_static and /tf
+//   put it at different places, tf2 keeps to the topic that was first, in each node another one. If
+//   that is /tf_static, it gives the newest transform for any stamp, also when the publisher is gone.
 // Any thread may call any function. What is put in by setTransform() is tf2's alone.
 class TransformBuffer : public tf2::BufferCore {
  public:
@@ -58,16 +59,17 @@ class TransformBuffer : public tf2::BufferCore {
   // What is known of a frame's transforms to its parent.
   struct Child {
     bool is_static = false;
-    geometry_msgs::TransformStamped fixed;  // the newest, if it is static
+    geometry_msgs::TransformStamped newest;  // by arrival if it is static, else by stamp
     std::string publisher;
-    ros::Time newest;
     std::vector<Gap> gaps;  // of the last seconds, ascending
     std::string contest;    // says that the frame is on both topics; empty: it is not
+    // From this stamp on, the topics differ. They agree if it is empty.
+    std::optional<ros::Time> differ_from;
   };
 
   bool contest(const geometry_msgs::TransformStamped& transform, const std::string& publisher,
                Child* child);
-  void noteStamp(const ros::Time& stamp, Child* child);
+  void noteStamp(const geometry_msgs::TransformStamped& transform, Child* child);
   std::vector<std::string> framesBetween(const std::string& frame, const std::string& reference,
                                          const ros::Time& stamp) const;
 

@@ -78,11 +78,9 @@ void lookAtTransforms(const BagMessage& message, Scan* scan, BagContents* conten
   for (const geometry_msgs::TransformStamped& transform : toTransforms(message).transforms) {
     const std::string frame = plainFrame(transform.child_frame_id);
     contents->parents[frame] = plainFrame(transform.header.frame_id);
-    const bool is_fixed = contents->static_transforms.count(frame) > 0 ||
-                          (isStatic(message.topic) && contents->moving.count(frame) == 0);
-    if (is_fixed) {
+    if (isStatic(message.topic) && contents->moving.count(frame) == 0) {
       addStatic(message.received, transform, contents);
-    } else {
+    } else if (contents->static_transforms.count(frame) == 0) {
       ++contents->moving_transforms;
       contents->transforms_far_ahead += !isUsableStamp(transform.header.stamp, message.received);
       addMoving(frameSource(frame), transform.header.stamp, message.received,

@@ -85,11 +85,11 @@ struct BagContents {
   // bags, because one may be a copy.
   std::uint64_t repeated_meshes = 0;
   TimeJumps jumps;  // where the clock went back
-  // The static transforms of each frame, without repetitions. As in tf2, a frame whose first
-  // transform is static stays so: its later transforms on /tf are listed here too.
+  // The static transforms of each frame whose first transform is static, without repetitions. As in
+  // tf2, such a frame stays static, whatever comes on /tf later.
   std::map<std::string, History<geometry_msgs::TransformStamped>> static_transforms;
   std::uint64_t refused_transforms = 0;        // static ones that tf2 does not accept
-  std::map<std::string, Span> moving;          // frames with transforms that are not static
+  std::map<std::string, Span> moving;          // the other frames
   std::map<std::string, std::string> parents;  // the latest parent of each frame
   std::map<std::string, Span> joints;          // joints with positions
   // Compute the poses of frames that TF does not have, one for each URDF. Empty if there are no

@@ -155,17 +155,17 @@ void BagCycles::take(const BagMessage& message) {
   }
 }
 
-// Adds the transforms of a message to the buffer, except those of frames that are static.
-// recallAt() adds these.
+// Adds the transforms of a message to the buffer, except the static ones of static frames. Those
+// are added by recallTransforms().
 void BagCycles::takeTransforms(const BagMessage& message) {
   const BagTopics& chosen = contents_.chosen;
   if (isTransforms(message) && chosen.transforms.count(message.topic) > 0) {
     for (const geometry_msgs::TransformStamped& transform : toTransforms(message).transforms) {
       const std::string frame = plainFrame(transform.child_frame_id);
-      // Other transforms of static frames were refused in the first reading.
-      if (contents_.static_transforms.count(frame) > 0 || contents_.moving.count(frame) == 0) {
-        continue;
-      }
+      const bool is_fixed = contents_.static_transforms.count(frame) > 0;
+      // A static transform of a frame that is neither was refused in the first reading.
+      if (is_fixed ? isStatic(message.topic) : contents_.moving.count(frame) == 0) continue;
+      if (is_fixed) recallTransforms(message.received);  // what this one is compared with
       const ros::Time& stamp = transform.header.stamp;
       if (contents_.jumps.partOf(frameSource(frame), message.received) != part_) continue;
       if (contents_.isUsable(stamp, message.received)) {
@@ -331,15 +331,20 @@ bool BagCycles::knowsSame(const ros::Time& a, const ros::Time& b) const {
                       }));
 }
 
-// Sets the robot and the static transforms that had been recorded by then. Cycles run in the order
-// of stamps, so an earlier value may come back.
-void BagCycles::recallAt(const ros::Time& due) {
+// Sets the static transforms that had been recorded by then. Cycles run in the order of stamps, so
+// an earlier value may come back.
+void BagCycles::recallTransforms(const ros::Time& due) {
   for (ChangingFrame& frame : changing_frames_) {
     const std::size_t index = indexAt(*frame.transforms, due);
     if (index == frame.current) continue;
     frame.current = index;
     addTransform((*frame.transforms)[index].value, true);
   }
+}
+
+// Sets the robot and the static transforms that had been recorded by then.
+void BagCycles::recallAt(const ros::Time& due) {
+  recallTransforms(due);
   const std::size_t robot = indexAt(robots_, due);
   if (robot == robot_) return;
   robot_ = robot;

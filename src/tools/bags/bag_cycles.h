@@ -123,6 +123,7 @@ class BagCycles {
   DeformableMesh::ConstPtr nextPlayed(const ros::Time& stamp);
   bool knowsSame(const ros::Time& a, const ros::Time& b) const;
   void recallAt(const ros::Time& due);
+  void recallTransforms(const ros::Time& due);
   void detectAt(const ros::Time& stamp, const CycleTrigger& trigger,
                 const std::function<void(CycleReport*)>& visit);
 

@@ -11,8 +11,10 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <tf2_msgs/TFMessage.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <deque>
@@ -192,8 +194,9 @@ Connections selectedConnections(const rosbag::Bag& bag, const BagSelection& sele
   return selected;
 }
 
-// Returns the order of the messages if the recorder's clock went back; else nothing. Transforms are
-// looked at only if there is nothing else: several recordings of them may have been merged.
+// Returns the order of the messages if the recorder's clock went back; else nothing. Where there is
+// more than transforms, these tell only if they contradict one another: several recordings of them
+// may have been merged.
 std::vector<OrderedMessage> orderOf(const rosbag::Bag& bag, const BagSelection& selection) {
   std::set<std::uint32_t> all, others;
   rosbag::View view(bag);
@@ -204,8 +207,22 @@ std::vector<OrderedMessage> orderOf(const rosbag::Bag& bag, const BagSelection& 
     if (type != "tf2_msgs/TFMessage" && type != "tf/tfMessage") others.insert(connection->id);
   }
   if (bag.getMajorVersion() != 2) return {};
+  const auto contradicts = [&](std::uint32_t connection, const std::vector<std::size_t>& parts) {
+    const auto messages = selectedConnections(bag, selection).at(connection);
+    const std::size_t falls = *std::max_element(parts.begin(), parts.end());
+    std::vector<std::vector<geometry_msgs::TransformStamped>> transforms(falls + 1);
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+      try {
+        const auto message = messages[i].instantiate<tf2_msgs::TFMessage>();
+        std::vector<geometry_msgs::TransformStamped>& part = transforms.at(parts.at(i));
+        part.insert(part.end(), message->transforms.begin(), message->transforms.end());
+      } catch (const ros::Exception&) {  // it is damaged, and counted when it is sent
+      }
+    }
+    return areOfSeveralEpisodes(transforms);
+  };
   try {
-    return recordedOrder(bag.getFileName(), all, others.empty() ? all : others);
+    return recordedOrder(bag.getFileName(), all, others.empty() ? all : others, contradicts);
   } catch (const std::exception& error) {
     throw std::runtime_error(bag.getFileName() + ": " + error.what());
   }

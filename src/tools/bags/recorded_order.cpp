@@ -81,6 +81,7 @@ class Restarts {
     newest_ns_ = std::max(newest_ns_, time_ns);
     repeats_ |= first_ns_ < earlier_.second && newest_ns_ > earlier_.first;
   }
+  std::size_t falls() const { return falls_; }
   bool found() const { return repeats_ && kFewestPerFall * falls_ <= count_; }
 
  private:
@@ -94,15 +95,22 @@ class Restarts {
 };
 
 bool hasRestarts(const std::vector<IndexedMessage>& messages,
-                 const std::set<std::uint32_t>& decisive) {
-  std::map<std::uint32_t, Restarts> connections;
+                 const std::set<std::uint32_t>& decisive, const Contradicts& contradicts) {
+  struct Connection {
+    Restarts restarts;
+    std::vector<std::size_t> parts;  // by rank
+  };
+  std::map<std::uint32_t, Connection> connections;
   for (const IndexedMessage& message : messages) {
-    if (decisive.count(message.connection) > 0) {
-      connections[message.connection].look(message.received_ns);
-    }
+    Connection& of = connections[message.connection];
+    of.restarts.look(message.received_ns);
+    if (of.parts.size() <= message.rank) of.parts.resize(message.rank + 1);
+    of.parts[message.rank] = of.restarts.falls();
   }
-  return std::any_of(connections.begin(), connections.end(),
-                     [](const auto& of) { return of.second.found(); });
+  return std::any_of(connections.begin(), connections.end(), [&](const auto& named) {
+    const auto& [number, of] = named;
+    return of.restarts.found() && (decisive.count(number) > 0 || contradicts(number, of.parts));
+  });
 }
 
 // Sorts the messages by their times between two falls of the clock.
@@ -125,9 +133,10 @@ void sortParts(std::vector<IndexedMessage>* messages) {
 
 std::vector<OrderedMessage> recordedOrder(const std::string& path,
                                           const std::set<std::uint32_t>& connections,
-                                          const std::set<std::uint32_t>& decisive) {
+                                          const std::set<std::uint32_t>& decisive,
+                                          const Contradicts& contradicts) {
   std::vector<IndexedMessage> messages = readIndex(path, connections);
-  if (!hasRestarts(messages, decisive)) return {};
+  if (!hasRestarts(messages, decisive, contradicts)) return {};
   sortParts(&messages);
   std::vector<OrderedMessage> order;
   std::int64_t shift_ns = 0, newest_ns = messages.front().received_ns - 1;
@@ -142,6 +151,35 @@ std::vector<OrderedMessage> recordedOrder(const std::string& path,
     order.push_back({message.connection, message.rank, received});
   }
   return order;
+}
+
+bool areOfSeveralEpisodes(const std::vector<std::vector<geometry_msgs::TransformStamped>>& parts) {
+  using Track = std::map<ros::Time, geometry_msgs::Transform>;
+  std::map<std::string, Track> earlier;  // by frame
+  for (const auto& part : parts) {
+    struct Count {
+      std::size_t shared = 0, all = 0;  // of the transforms at times that were there before
+    };
+    std::map<std::string, Count> counts;
+    std::map<std::string, Track> current;
+    for (const geometry_msgs::TransformStamped& transform : part) {
+      const ros::Time& stamp = transform.header.stamp;
+      current[transform.child_frame_id][stamp] = transform.transform;
+      const Track& before = earlier[transform.child_frame_id];
+      if (before.empty() || stamp < before.begin()->first || stamp > before.rbegin()->first) {
+        continue;
+      }
+      const auto same = before.find(stamp);
+      Count& count = counts[transform.child_frame_id];
+      ++count.all;
+      count.shared += same != before.end() && same->second == transform.transform;
+    }
+    for (const auto& [frame, count] : counts) {
+      if (2 * count.shared < count.all) return true;
+    }
+    for (auto& [frame, track] : current) earlier[frame].merge(track);
+  }
+  return false;
 }
 
 }  // namespace deformable_contact_monitor
