@@ -1,8 +1,13 @@
 // Publishes the states of all pairs after each cycle, and while no cycle ends.
 #include "node/state_publisher.h"
 
+#include <ros/this_node.h>
+
+#include <algorithm>
 #include <boost/make_shared.hpp>
 #include <chrono>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace deformable_contact_monitor {
@@ -10,11 +15,24 @@ namespace {
 
 constexpr std::chrono::seconds kLongestSilence(1);
 
+// Throws std::runtime_error if this process publishes on the topic already. Two nodelets of one
+// manager have its name, so readers could not tell their states apart (RivalMonitors).
+std::string freeTopic(const std::string& topic) {
+  ros::V_string advertised;
+  ros::this_node::getAdvertisedTopics(advertised);
+  if (std::find(advertised.begin(), advertised.end(), topic) != advertised.end()) {
+    throw std::runtime_error("another monitor of this process publishes " + topic +
+                             ": remap contact_states of one of them to another topic");
+  }
+  return topic;
+}
+
 }  // namespace
 
 StatePublisher::StatePublisher(const MonitorParameters& parameters, ros::NodeHandle private_node)
     : tracker_(stateRules(parameters)),
-      states_publisher_(private_node.advertise<ContactStates>("contact_states", 2)),
+      states_publisher_(private_node.advertise<ContactStates>(
+          freeTopic(private_node.resolveName("contact_states")), 2)),
       events_publisher_(private_node.advertise<ContactEvent>("contact_events", 100)) {}
 
 // The tracker has a lock of its own. mutex_ is taken only for making and sending messages.

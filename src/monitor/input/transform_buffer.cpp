@@ -35,8 +35,11 @@ bool TransformBuffer::add(const geometry_msgs::TransformStamped& transform,
   if (!is_new && known->second.is_static != is_static) {
     return contest(transform, publisher, &known->second);
   }
+  // Also of what tf2 refuses, such as another place at the same stamp.
+  if (!is_new && !is_static) any_contest_ |= known->second.rivals.look(transform, publisher);
   if (!setTransform(transform, publisher, is_static)) return false;
   Child& child = children_[frame];
+  if (is_new && !is_static) child.rivals.look(transform, publisher);
   child.is_static = is_static;
   if (is_new || is_static) child.publisher = publisher;
   if (is_static) {
@@ -106,6 +109,7 @@ void TransformBuffer::forget(SteadyTime steady_now) {
   clear();
   for (auto& named : children_) {
     named.second.gaps.clear();
+    named.second.rivals = {};
     named.second.newest.header.stamp = ros::Time();
     if (named.second.differ_from) named.second.differ_from = ros::Time();
   }
@@ -120,9 +124,11 @@ std::string TransformBuffer::problemAt(const std::string& frame, const std::stri
     const auto found = children_.find(name);
     if (found == children_.end()) continue;
     const Child& child = found->second;
-    const bool is_contested = child.differ_from ? stamp >= *child.differ_from
-                                                : stamp > child.newest.header.stamp;
+    const bool is_contested =
+        child.differ_from ? stamp >= *child.differ_from : stamp > child.newest.header.stamp;
     if (!child.contest.empty() && is_contested) return child.contest;
+    const std::string rivals = child.rivals.problemAt(stamp);
+    if (!rivals.empty()) return rivals;
     for (const Gap& gap : child.gaps) {
       if (stamp <= gap.begin || stamp >= gap.end) continue;
       std::ostringstream text;

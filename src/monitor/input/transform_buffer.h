@@ -16,17 +16,20 @@
 #include <vector>
 
 #include "core/steady_time.h"
+#include "monitor/input/rival_transforms.h"
 #include "monitor/input/usable_stamp.h"
 
 namespace deformable_contact_monitor {
 
-// tf2 would give a pose in three cases in which nobody knows it:
+// tf2 would give a pose in four cases in which nobody knows it:
 // - A transform may be on its way when the clock goes back. Arriving later, it would be stamped
 //   ahead of those of the new time, and tf2 would interpolate between the two.
 // - Transforms fail to come for seconds. Once they come again, tf2 interpolates across the gap.
 // - A frame's first transform decides for ever whether the frame is static. If /tf_static and /tf
 //   put it at different places, tf2 keeps to the topic that was first, in each node another one. If
-//   that is /tf_static, it gives the newest transform for any stamp, also when the publisher is gone.
+//   that is /tf_static, it gives the newest transform for any stamp, also when the publisher is
+//   gone.
+// - Two nodes publish a frame on /tf, at different places (RivalTransforms).
 // Any thread may call any function. What is put in by setTransform() is tf2's alone.
 class TransformBuffer : public tf2::BufferCore {
  public:
@@ -47,8 +50,8 @@ class TransformBuffer : public tf2::BufferCore {
   void forget(SteadyTime steady_now);
 
   // Returns why the pose of `frame` in `reference` at that stamp is not known, although tf2 may
-  // give one: a frame between the two has a gap then, or is on both topics. Empty: nothing is known
-  // against it.
+  // give one: a frame between the two has a gap then, is on both topics, or has two publishers that
+  // contradict each other. Empty: nothing is known against it.
   std::string problemAt(const std::string& frame, const std::string& reference,
                         const ros::Time& stamp) const;
 
@@ -65,6 +68,7 @@ class TransformBuffer : public tf2::BufferCore {
     std::string contest;    // says that the frame is on both topics; empty: it is not
     // From this stamp on, the topics differ. They agree if it is empty.
     std::optional<ros::Time> differ_from;
+    RivalTransforms rivals;  // on /tf
   };
 
   bool contest(const geometry_msgs::TransformStamped& transform, const std::string& publisher,

@@ -65,7 +65,7 @@ BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& con
   }
   if (parameters.pair_classes.needRobot()) scene_.setRobot(robots.front().value);
   for (const auto& [frame, transforms] : contents.static_transforms) {
-    addTransform(transforms.front().value, true);
+    addTransform(transforms.front().value, "", true);
     if (transforms.size() > 1) changing_frames_.push_back({&transforms, 0});
     for (std::size_t i = 1; i < transforms.size(); ++i) changes_.insert(transforms[i].received);
   }
@@ -169,7 +169,7 @@ void BagCycles::takeTransforms(const BagMessage& message) {
       const ros::Time& stamp = transform.header.stamp;
       if (contents_.jumps.partOf(frameSource(frame), message.received) != part_) continue;
       if (contents_.isUsable(stamp, message.received)) {
-        addTransform(transform, isStatic(message.topic));
+        addTransform(transform, message.publisher, isStatic(message.topic));
       } else {
         ++refused_transforms_;
         ++bad_transforms_;
@@ -183,14 +183,16 @@ void BagCycles::takeTransforms(const BagMessage& message) {
     const std::string source = jointSource(state.name.empty() ? "" : state.name.front());
     if (contents_.jumps.partOf(source, message.received) != part_) return;
     for (const geometry_msgs::TransformStamped& transform : joints.at(state)) {
-      addTransform(transform, false);
+      addTransform(transform, message.publisher, false);
     }
   }
   notePlayed(message.received);
 }
 
-void BagCycles::addTransform(const geometry_msgs::TransformStamped& transform, bool is_static) {
-  if (!buffer_.add(transform, "the bag", is_static, SteadyTime())) {
+void BagCycles::addTransform(const geometry_msgs::TransformStamped& transform,
+                             const std::string& publisher, bool is_static) {
+  const std::string source = publisher.empty() ? "the bag" : publisher;
+  if (!buffer_.add(transform, source, is_static, SteadyTime())) {
     ++refused_transforms_;
     bad_transforms_ += !isValid(transform);
   }
@@ -338,7 +340,7 @@ void BagCycles::recallTransforms(const ros::Time& due) {
     const std::size_t index = indexAt(*frame.transforms, due);
     if (index == frame.current) continue;
     frame.current = index;
-    addTransform((*frame.transforms)[index].value, true);
+    addTransform((*frame.transforms)[index].value, "", true);
   }
 }
 

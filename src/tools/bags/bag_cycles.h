@@ -109,7 +109,8 @@ class BagCycles {
   // These read messages: meshes wait, transforms go to the buffer.
   void take(const BagMessage& message);
   void takeTransforms(const BagMessage& message);
-  void addTransform(const geometry_msgs::TransformStamped& transform, bool is_static);
+  void addTransform(const geometry_msgs::TransformStamped& transform, const std::string& publisher,
+                    bool is_static);
   void notePlayed(const ros::Time& received);
   void postpone(const ros::Time& change);
   bool isLate(const Event& event, const BagMessage& message) const;

@@ -49,7 +49,7 @@ struct Header {
   enum Kind : std::uint32_t { kTopic, kMessage, kEnd, kCannotOpen };
   std::uint32_t kind = kEnd;
   // Lengths. kTopic has a topic and a type; kEnd and kCannotOpen have only bytes.
-  std::uint32_t topic = 0, type = 0, md5 = 0, bytes = 0;
+  std::uint32_t topic = 0, type = 0, md5 = 0, publisher = 0, bytes = 0;
   std::uint32_t sec = 0, nsec = 0;              // BagMessage::received
   std::uint32_t clock_sec = 0, clock_nsec = 0;  // BagMessage::clock
 };
@@ -109,19 +109,21 @@ void sendMessage(int pipe, const rosbag::MessageInstance& message, const ros::Ti
   ByteStream stream{&bytes};
   message.write(stream);
   const std::string &topic = message.getTopic(), &type = message.getDataType(),
-                    &md5 = message.getMD5Sum();
+                    &md5 = message.getMD5Sum(), publisher = message.getCallerId();
   Header header;
   header.kind = Header::kMessage;
   header.topic = static_cast<std::uint32_t>(topic.size());
   header.type = static_cast<std::uint32_t>(type.size());
   header.md5 = static_cast<std::uint32_t>(md5.size());
+  header.publisher = static_cast<std::uint32_t>(publisher.size());
   header.bytes = static_cast<std::uint32_t>(bytes.size());
   header.sec = received.sec;
   header.nsec = received.nsec;
   header.clock_sec = message.getTime().sec;
   header.clock_nsec = message.getTime().nsec;
   send(pipe, &header, sizeof header);
-  send(pipe, (topic + type + md5).data(), topic.size() + type.size() + md5.size());
+  const std::string texts = topic + type + md5 + publisher;
+  send(pipe, texts.data(), texts.size());
   send(pipe, bytes.data(), bytes.size());
 }
 
@@ -416,6 +418,7 @@ std::string BagReader::read(const std::function<void(const BagMessage&)>& visit)
     message.topic = absoluteTopic(receiveText(header.topic));
     message.type = receiveText(header.type);
     message.md5 = receiveText(header.md5);
+    message.publisher = receiveText(header.publisher);
     message.bytes.resize(header.bytes);
     if (gone_ || !receive(message.bytes.data(), message.bytes.size())) break;
     message.received = ros::Time(header.sec, header.nsec);

@@ -25,6 +25,7 @@ struct BagMessage {
   ros::Time received;               // never earlier than that of the message before it
   std::vector<std::uint8_t> bytes;  // as serialized, and not checked yet
   ros::Time clock{};                // what the recorder's clock was, which may have gone back
+  std::string publisher{};          // the node's name; empty: the bag does not tell
 };
 
 // Selects the messages that are read: all messages of some types, and on some topics the messages

@@ -22,7 +22,8 @@ struct OrderedMessage {
 };
 
 // Returns whether the messages of a connection, whose times fell to those that it had already,
-// contradict one another. `parts[rank]` is how often they had fallen before the message of that rank.
+// contradict one another. `parts[rank]` is how often they had fallen before the message of that
+// rank.
 using Contradicts =
     std::function<bool(std::uint32_t connection, const std::vector<std::size_t>& parts)>;
 

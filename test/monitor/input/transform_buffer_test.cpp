@@ -23,7 +23,7 @@ class TransformBufferTest : public ::testing::Test {
  protected:
   // Adds the transform of `frame`, which comes at its stamp unless the clock is ahead.
   bool add(const std::string& parent, const std::string& frame, double stamp_s, double x_m,
-           bool is_static = false) {
+           bool is_static = false, const std::string& publisher = "/moving") {
     geometry_msgs::TransformStamped t;
     t.header.frame_id = parent;
     t.header.stamp = ros::Time(stamp_s);
@@ -31,7 +31,7 @@ class TransformBufferTest : public ::testing::Test {
     t.transform.translation.x = x_m;
     t.transform.rotation.w = 1;
     if (!is_static && !is_clock_held_) now_ = std::max(now_, t.header.stamp);
-    return buffer_.add(t, is_static ? "/fixed" : "/moving", is_static, SteadyTime());
+    return buffer_.add(t, is_static ? "/fixed" : publisher, is_static, SteadyTime());
   }
 
   PoseAnswer ask(const std::string& frame, double stamp_s) const {
@@ -133,6 +133,74 @@ TEST_F(TransformBufferTest, WhoStampsAheadLeavesNoGap) {
   }
   EXPECT_EQ(outcome("arm", 2.5), Outcome::kFound);
   EXPECT_EQ(outcome("arm", 3.5), Outcome::kFound);
+}
+
+TEST_F(TransformBufferTest, WhoContradictsAnotherPublisherIsNamed) {
+  add("base", "other", 0, 1, true);
+  for (int i = 0; i < 4; ++i) {
+    add("base", "arm", 1 + 0.1 * i, 1 + 0.01 * i);
+    add("base", "arm", 1.05 + 0.1 * i, 1.03, false, "/second");
+  }
+  const PoseAnswer answer = ask("arm", 1.3);
+  EXPECT_EQ(answer.outcome, Outcome::kPast);
+  EXPECT_EQ(answer.problem,
+            "two nodes publish TF frame 'arm' on /tf, at different places: /moving and /second; "
+            "stop one of them");
+  EXPECT_EQ(outcome("other", 1.3), Outcome::kFound);
+  for (double stamp_s = 1.4; stamp_s < 3; stamp_s += 0.1) add("base", "arm", stamp_s, 1);
+  EXPECT_EQ(outcome("arm", 1.3), Outcome::kPast);
+  EXPECT_EQ(outcome("arm", 2.8), Outcome::kFound) << "the second one is gone";
+}
+
+TEST_F(TransformBufferTest, WhoHasTwoPlacesForAStampIsNamed) {
+  add("base", "arm", 1, 1);
+  EXPECT_FALSE(add("base", "arm", 1, 1)) << "tf2 has it";
+  EXPECT_EQ(outcome("arm", 1), Outcome::kFound);
+  EXPECT_FALSE(add("base", "arm", 1, 2));
+  const PoseAnswer answer = ask("arm", 1);
+  EXPECT_EQ(answer.outcome, Outcome::kPast);
+  EXPECT_EQ(answer.problem,
+            "/moving publishes TF frame 'arm' twice at one stamp, at different places");
+}
+
+// Both publish a walk that nobody sees. They disagree only where one adds an offset to it, and
+// their transforms come in any order.
+TEST_F(TransformBufferTest, RandomPublishersAgreeUnlessOneIsElsewhere) {
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> share(0, 1);
+    const double speed = 2 * share(random), offset = seed % 2 == 0 ? 0 : 0.01 + share(random);
+    TransformBuffer buffer([this] { return now_; }, 0.5);
+    struct Sent {
+      double arrival_s, stamp_s, x_m;
+      std::string publisher;
+    };
+    std::vector<Sent> sent;
+    for (const std::string publisher : {"/one", "/two"}) {
+      const double period_s = 0.01 + 0.03 * share(random), late_s = 0.2 * share(random);
+      for (double stamp_s = 100 + period_s * share(random); stamp_s < 102; stamp_s += period_s) {
+        const double x_m = speed * stamp_s + (publisher == "/two" ? (2 * speed + 1) * offset : 0);
+        sent.push_back({stamp_s + late_s, stamp_s, x_m, publisher});
+      }
+    }
+    std::sort(sent.begin(), sent.end(),
+              [](const Sent& a, const Sent& b) { return a.arrival_s < b.arrival_s; });
+    for (const Sent& one : sent) {
+      now_ = ros::Time(one.arrival_s);
+      geometry_msgs::TransformStamped t;
+      t.header.frame_id = "base";
+      t.header.stamp = ros::Time(one.stamp_s);
+      t.child_frame_id = "arm";
+      t.transform.translation.x = one.x_m;
+      t.transform.rotation.w = 1;
+      buffer.add(t, one.publisher, false, SteadyTime());
+    }
+    for (const double stamp_s : {100.5, 101.0, 101.7}) {
+      const PoseAnswer answer =
+          TransformLookup(buffer, "base").lookup({{"arm", ros::Time(stamp_s)}}).at(0);
+      EXPECT_EQ(answer.outcome == Outcome::kFound, offset == 0) << seed << " " << answer.problem;
+    }
+  }
 }
 
 TEST_F(TransformBufferTest, AResetEndsGaps) {
