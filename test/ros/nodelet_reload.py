@@ -162,6 +162,21 @@ class Manager:
 
 class NodeletReload(unittest.TestCase):
 
+    def test_a_second_monitor_of_a_manager_needs_a_topic_of_its_own(self):
+        manager = Manager()
+        self.assertTrue(manager.load())
+        for topic, is_refused in ((NAME + "/contact_states", True), ("/second/states", False)):
+            request = NodeletLoadRequest(
+                name="/second", type=PACKAGE + "/ContactMonitor",
+                remap_source_args=["/second/contact_states"], remap_target_args=[topic])
+            try:
+                manager.load_service(request)
+            except rospy.ServiceException as error:
+                print(f"{topic}: {error}", flush=True)
+            self.assertEqual("/second" not in manager.loaded(), is_refused, topic)
+        manager.unload_service(NodeletUnloadRequest(name="/second"))
+        self.assertTrue(manager.unload())
+
     def test_each_load_finds_contacts_and_each_unload_leaves_nothing(self):
         manager = Manager()
         work = Load()
