@@ -2,9 +2,9 @@
 #include "node/transform_input.h"
 
 #include <ros/console.h>
-#include <tf2/exceptions.h>
 
 #include <chrono>
+#include <exception>
 
 #include "monitor/input/usable_stamp.h"
 #include "monitor/time_difference.h"
@@ -61,7 +61,7 @@ void TransformInput::receive(const ros::MessageEvent<const tf2_msgs::TFMessage>&
     }
     try {
       buffer_.add(transform, event.getPublisherName(), is_static, steady_now);
-    } catch (const tf2::TransformException& error) {
+    } catch (const std::exception& error) {  // also of ROS time, for stamps at its end
       ROS_WARN_STREAM_THROTTLE(
           1, "a transform is rejected: " << error.what()
                                          << "; see config/docs/console.md#no-transform");

@@ -1,8 +1,6 @@
 // Notices that two nodes publish one frame on /tf, at different places.
 #include "monitor/input/rival_transforms.h"
 
-#include <tf2/buffer_core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -13,9 +11,9 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr double kRememberedS = 1;     // of each publisher, and after the last contradiction
-constexpr double kLongestStepS = 0.5;  // between two transforms, which tell what is between them
-constexpr double kTolerance = 1e-3;    // [m], and of the rotations' matrices
+constexpr double kTolerance = 1e-3;  // [m], and of the rotations' matrices
+// Longer steps tell nothing of what is between them. A publisher may send once a second.
+constexpr double kLeastStepS = 1.1, kMostStepS = 10;
 
 struct Distance {
   double translation = 0, rotation = 0;
@@ -32,20 +30,37 @@ Distance distance(const RigidTransform& a, const RigidTransform& b) {
   return d;
 }
 
+bool areApart(const PoseInParent& a, const PoseInParent& b) {
+  const Distance d = distance(a.pose, b.pose);
+  return a.parent != b.parent || d.translation > kTolerance || d.rotation > kTolerance;
+}
+
 }  // namespace
 
-// Returns whether it lies between two transforms of the track and is further from both than these
-// are from one another.
-bool RivalTransforms::contradicts(const Track& track, const Track::value_type& other) {
-  const auto& [stamp, place] = other;
+PoseInParent placeOf(const geometry_msgs::TransformStamped& transform) {
+  return {plainFrame(transform.header.frame_id), toRigidTransform(transform.transform)};
+}
+
+bool contradicts(const FrameTrack& track, const ros::Time& stamp, const PoseInParent& place,
+                 double longest_step_s) {
   const auto after = track.lower_bound(stamp);
   if (after == track.end()) return false;
-  const auto before = after->first == stamp || after == track.begin() ? after : std::prev(after);
-  if (before->first > stamp || secondsBetween(after->first, before->first) > kLongestStepS) {
-    return false;
+  if (after->first == stamp) return areApart(after->second, place);
+  if (after == track.begin()) return false;
+  const auto before = std::prev(after);
+  if (secondsBetween(after->first, before->first) > longest_step_s) return false;
+  // A frame that turns back between two stamps moves before or after them, too.
+  const bool has_before = before != track.begin(), has_after = std::next(after) != track.end();
+  if (!has_before && !has_after) return false;
+  Distance step;
+  const auto first = has_before ? std::prev(before) : before;
+  const auto last = has_after ? std::next(after) : after;
+  for (auto from = first; from != last; ++from) {
+    const Distance one = distance(from->second.pose, std::next(from)->second.pose);
+    step.translation = std::max(step.translation, one.translation);
+    step.rotation = std::max(step.rotation, one.rotation);
   }
   if (place.parent != before->second.parent && place.parent != after->second.parent) return true;
-  const Distance step = distance(before->second.pose, after->second.pose);
   const Distance one = distance(place.pose, before->second.pose);
   const Distance two = distance(place.pose, after->second.pose);
   return std::min(one.translation, two.translation) > step.translation + kTolerance ||
@@ -53,54 +68,63 @@ bool RivalTransforms::contradicts(const Track& track, const Track::value_type& o
 }
 
 bool RivalTransforms::look(const geometry_msgs::TransformStamped& transform,
-                           const std::string& publisher) {
-  const auto placeOf = [](const geometry_msgs::TransformStamped& of) {
-    return Place{plainFrame(of.header.frame_id), toRigidTransform(of.transform)};
-  };
+                           const std::string& publisher, double max_gap_s) {
+  const ros::Time& stamp = transform.header.stamp;
+  longest_step_s_ = std::clamp(max_gap_s, kLeastStepS, kMostStepS);
   if (tracks_.empty() && (publisher_.empty() || publisher == publisher_)) {
-    const Distance moved = distance(placeOf(last_).pose, placeOf(transform).pose);
-    const bool is_elsewhere = !publisher_.empty() && transform.header.stamp == last_.header.stamp &&
-                              std::max(moved.translation, moved.rotation) > kTolerance;
+    const bool is_twice = !publisher_.empty() && stamp == last_.header.stamp &&
+                          areApart(placeOf(last_), placeOf(transform));
     publisher_ = publisher;
     last_ = transform;
-    if (is_elsewhere) noteRival(publisher, publisher, transform.header.stamp);
-    return is_elsewhere;
+    if (is_twice) noteRival(publisher, publisher, stamp, stamp);
+    return is_twice;
   }
-  if (!tf2::BufferCore().setTransform(transform, publisher, true)) return false;  // it is malformed
   if (tracks_.empty()) tracks_[publisher_][last_.header.stamp] = placeOf(last_);
   publisher_ = publisher;
   last_ = transform;
-  const ros::Time& stamp = transform.header.stamp;
-  Track& track = tracks_[publisher];
+  FrameTrack& track = tracks_[publisher];
   const auto place = track.insert_or_assign(stamp, placeOf(transform)).first;
-  const auto next = std::next(place);
-  const auto begin = place == track.begin() ? place : std::prev(place);
-  const ros::Time end = next == track.end() ? stamp : next->first;
-  bool is_rival = false;
-  for (auto other = tracks_.begin(); other != tracks_.end();) {
-    Track& theirs = other->second;
-    if (&theirs != &track) {
-      bool differs = contradicts(theirs, *place);
-      for (auto one = theirs.lower_bound(begin->first); one != theirs.end() && one->first <= end;
-           ++one) {
-        differs = differs || contradicts(track, *one);
-      }
-      if (differs) noteRival(publisher, other->first, std::min(begin->first, stamp));
-      is_rival = is_rival || differs;
+  const bool is_rival = compare(place, &track, publisher);
+  for (auto one = tracks_.begin(); one != tracks_.end();) {
+    FrameTrack& of = one->second;
+    while (!of.empty() && secondsBetween(stamp, of.begin()->first) > 3 * longest_step_s_) {
+      of.erase(of.begin());
     }
-    while (!theirs.empty() && secondsBetween(stamp, theirs.begin()->first) > kRememberedS) {
-      theirs.erase(theirs.begin());
-    }
-    other = theirs.empty() ? tracks_.erase(other) : std::next(other);
+    one = of.empty() ? tracks_.erase(one) : std::next(one);
   }
   if (tracks_.size() < 2) tracks_.clear();
   return is_rival;
 }
 
+// Compares a new place with the tracks of the other publishers, and those of their places with its
+// track that it may tell something of. Returns whether they differ.
+bool RivalTransforms::compare(const FrameTrack::iterator& place, FrameTrack* track,
+                              const std::string& publisher) {
+  constexpr int kNeighbours = 2;  // on either side, as contradicts() looks at
+  auto first = place, last = place;
+  for (int i = 0; i < kNeighbours && first != track->begin(); ++i) --first;
+  for (int i = 0; i < kNeighbours && std::next(last) != track->end(); ++i) ++last;
+  bool is_rival = false;
+  for (const auto& [name, theirs] : tracks_) {
+    if (&theirs == track) continue;
+    const auto begin = theirs.lower_bound(first->first), end = theirs.upper_bound(last->first);
+    bool differs = contradicts(theirs, place->first, place->second, longest_step_s_);
+    for (auto one = begin; one != end && !differs; ++one) {
+      differs = contradicts(*track, one->first, one->second, longest_step_s_);
+    }
+    if (!differs) continue;
+    is_rival = true;
+    const ros::Time before = begin == theirs.begin() ? first->first : std::prev(begin)->first;
+    noteRival(publisher, name, std::min(before, first->first), place->first);
+  }
+  return is_rival;
+}
+
 void RivalTransforms::noteRival(const std::string& publisher, const std::string& rival,
-                                const ros::Time& stamp) {
-  from_ = problem_.empty() || stamp > until_ ? stamp : std::min(from_, stamp);
-  until_ = std::max(until_, stamp + ros::Duration(kRememberedS));
+                                const ros::Time& from, const ros::Time& stamp) {
+  const bool is_old = problem_.empty() || secondsBetween(from, newest_) > longest_step_s_;
+  from_ = is_old ? from : std::min(from_, from);
+  newest_ = is_old ? stamp : std::max(newest_, stamp);
   const std::string frame = "TF frame '" + plainFrame(last_.child_frame_id) + "' ";
   problem_ = publisher == rival
                  ? publisher + " publishes " + frame + "twice at one stamp, at different places"
@@ -110,7 +134,8 @@ void RivalTransforms::noteRival(const std::string& publisher, const std::string&
 }
 
 std::string RivalTransforms::problemAt(const ros::Time& stamp) const {
-  return problem_.empty() || stamp < from_ || stamp > until_ ? "" : problem_;
+  const bool holds = stamp >= from_ && secondsBetween(stamp, newest_) <= longest_step_s_;
+  return holds ? problem_ : "";
 }
 
 }  // namespace deformable_contact_monitor

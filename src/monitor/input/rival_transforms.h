@@ -11,35 +11,50 @@
 
 namespace deformable_contact_monitor {
 
+// Where a frame is at the stamps of its transforms.
+struct PoseInParent {
+  std::string parent;
+  RigidTransform pose;
+};
+using FrameTrack = std::map<ros::Time, PoseInParent>;
+
+// Returns the place that a transform tells, of which tf2 accepts names and numbers.
+PoseInParent placeOf(const geometry_msgs::TransformStamped& transform);
+
+// Returns whether a frame is not where it was, according to the track, at that stamp: it lies
+// between two stamps of the track, at most `longest_step_s` [s] apart, and is further from both
+// places than the frame moved between these, and before, and after. False if that is not known.
+bool contradicts(const FrameTrack& track, const ros::Time& stamp, const PoseInParent& place,
+                 double longest_step_s);
+
 // The transforms of one frame. tf2 keeps those of all publishers together, and the frame jumps to
-// and fro between their places. Two publishers contradict each other where a transform of one,
-// whose stamp is between those of two transforms of the other, is further from both than these are
-// from one another. So two nodes that publish the same are no rivals, and neither is a node that
+// and fro between their places. Two publishers are rivals if a transform of one contradicts the
+// track of the other. So two nodes that publish the same are no rivals, and neither is a node that
 // takes the place of another one. A publisher contradicts itself if it has two places for a stamp,
 // as two nodelets do that share a name. One thread at a time.
 class RivalTransforms {
  public:
-  // Takes each transform in the order of arrival. Returns whether it contradicts another one.
-  bool look(const geometry_msgs::TransformStamped& transform, const std::string& publisher);
+  // Takes each transform whose names and numbers tf2 accepts, in the order of arrival. Returns
+  // whether it contradicts another one. A pose is asked for where stamps are at most `max_gap_s`
+  // [s] apart.
+  bool look(const geometry_msgs::TransformStamped& transform, const std::string& publisher,
+            double max_gap_s);
 
   // Returns which nodes contradict each other at that stamp; empty: none does.
   std::string problemAt(const ros::Time& stamp) const;
 
  private:
-  struct Place {
-    std::string parent;
-    RigidTransform pose;
-  };
-  using Track = std::map<ros::Time, Place>;
-
-  static bool contradicts(const Track& track, const Track::value_type& other);
-  void noteRival(const std::string& publisher, const std::string& rival, const ros::Time& stamp);
+  bool compare(const FrameTrack::iterator& place, FrameTrack* track, const std::string& publisher);
+  void noteRival(const std::string& publisher, const std::string& rival, const ros::Time& from,
+                 const ros::Time& stamp);
 
   geometry_msgs::TransformStamped last_;
-  std::string publisher_;                // of the last one
-  std::map<std::string, Track> tracks_;  // of the last second, while there are several publishers
+  std::string publisher_;  // of the last one
+  // By publisher, of the last seconds, while there are several publishers.
+  std::map<std::string, FrameTrack> tracks_;
+  double longest_step_s_ = 0;
   std::string problem_;
-  ros::Time from_, until_;  // where it holds
+  ros::Time from_, newest_;  // stamps of the first and the last contradiction
 };
 
 }  // namespace deformable_contact_monitor

@@ -12,6 +12,11 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Returns whether tf2 accepts its names and numbers.
+bool isWellFormed(const geometry_msgs::TransformStamped& transform) {
+  return tf2::BufferCore().setTransform(transform, "", true);
+}
+
 // Returns whether both put the frame at the same place, but for the digits of a parameter file.
 bool areSame(const geometry_msgs::TransformStamped& a, const geometry_msgs::TransformStamped& b) {
   constexpr double kTolerance = 1e-6;  // [m], and of the rotations' matrices
@@ -35,11 +40,12 @@ bool TransformBuffer::add(const geometry_msgs::TransformStamped& transform,
   if (!is_new && known->second.is_static != is_static) {
     return contest(transform, publisher, &known->second);
   }
-  // Also of what tf2 refuses, such as another place at the same stamp.
-  if (!is_new && !is_static) any_contest_ |= known->second.rivals.look(transform, publisher);
-  if (!setTransform(transform, publisher, is_static)) return false;
+  const bool is_accepted = setTransform(transform, publisher, is_static);
+  if (!is_accepted && !isWellFormed(transform)) return false;
   Child& child = children_[frame];
-  if (is_new && !is_static) child.rivals.look(transform, publisher);
+  // Also where tf2 has another place at the same stamp, and keeps to that.
+  if (!is_static) any_contest_ |= child.rivals.look(transform, publisher, max_gap_s_);
+  if (!is_accepted) return false;
   child.is_static = is_static;
   if (is_new || is_static) child.publisher = publisher;
   if (is_static) {
@@ -47,29 +53,35 @@ bool TransformBuffer::add(const geometry_msgs::TransformStamped& transform,
   } else {
     noteStamp(transform, &child);
   }
+  compareTopics(&child);
   return true;
 }
 
 // Takes a transform of the other topic than that of the frame's first one. One on /tf that says
-// what /tf_static says is no news. In the other order, the frame is known as long as /tf comes.
+// what /tf_static says is no news. In the other order, the frame is known as long as /tf comes and
+// says the same.
 bool TransformBuffer::contest(const geometry_msgs::TransformStamped& transform,
                               const std::string& publisher, Child* child) {
-  const bool are_same = areSame(child->newest, transform);
-  if (child->is_static && are_same) return true;
-  if (!BufferCore().setTransform(transform, publisher, true)) return false;  // it is malformed
+  if (child->is_static && areSame(child->newest, transform)) return true;
+  if (!isWellFormed(transform)) return false;
   const char* const first = child->is_static ? "/tf_static" : "/tf";
   const char* const second = child->is_static ? "/tf" : "/tf_static";
   child->contest = "TF frame '" + plainFrame(transform.child_frame_id) + "' came on " + first +
                    " (from " + child->publisher + ") and then on " + second + " (from " +
                    publisher + "), and tf2 keeps to the first: publish it on one of them, and " +
                    "restart this node";
-  if (!are_same) {
-    const geometry_msgs::TransformStamped& moving = child->is_static ? transform : child->newest;
-    const ros::Time from = std::min(moving.header.stamp, ros_now_());
-    child->differ_from = std::min(child->differ_from.value_or(from), from);
-  }
+  child->contestant = transform;
   any_contest_ = true;
+  compareTopics(child);
   return false;
+}
+
+// Notes from which stamp on the two topics put the frame at different places.
+void TransformBuffer::compareTopics(Child* child) {
+  if (child->contest.empty() || areSame(child->newest, child->contestant)) return;
+  const auto& moving = child->is_static ? child->contestant : child->newest;
+  const ros::Time from = std::min(moving.header.stamp, ros_now_());
+  child->differ_from = std::min(child->differ_from.value_or(from), from);
 }
 
 // Transforms may come out of order, and end a gap in its midst.

@@ -66,6 +66,7 @@ class TransformBuffer : public tf2::BufferCore {
     std::string publisher;
     std::vector<Gap> gaps;  // of the last seconds, ascending
     std::string contest;    // says that the frame is on both topics; empty: it is not
+    geometry_msgs::TransformStamped contestant;  // the newest of the other topic
     // From this stamp on, the topics differ. They agree if it is empty.
     std::optional<ros::Time> differ_from;
     RivalTransforms rivals;  // on /tf
@@ -73,6 +74,7 @@ class TransformBuffer : public tf2::BufferCore {
 
   bool contest(const geometry_msgs::TransformStamped& transform, const std::string& publisher,
                Child* child);
+  void compareTopics(Child* child);
   void noteStamp(const geometry_msgs::TransformStamped& transform, Child* child);
   std::vector<std::string> framesBetween(const std::string& frame, const std::string& reference,
                                          const ros::Time& stamp) const;

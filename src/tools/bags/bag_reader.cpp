@@ -11,7 +11,6 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <tf2_msgs/TFMessage.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -20,10 +19,12 @@
 #include <deque>
 #include <filesystem>
 #include <fstream>
+#include <numeric>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
+#include "tools/bags/bag_messages.h"
 #include "tools/bags/bag_records.h"
 #include "tools/bags/recorded_order.h"
 
@@ -35,8 +36,7 @@ constexpr std::uint32_t kChunkInfoEntry = 8;
 
 using Counts = std::map<std::uint32_t, std::uint64_t>;  // messages of each connection
 
-constexpr int kPatienceMs =
-    60000;  // time without a byte from the child after which it counts as crashed
+constexpr int kPatienceMs = 60000;  // without a byte from the child: then it counts as crashed
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr rlim_t kMemory = RLIM_INFINITY;  // sanitizers reserve terabytes of addresses
 #else
@@ -103,28 +103,36 @@ struct ByteStream {
   std::uint32_t getLength() const { return static_cast<std::uint32_t>(bytes->size() - at); }
 };
 
-// Sends one message. The child never decodes it.
-void sendMessage(int pipe, const rosbag::MessageInstance& message, const ros::Time& received) {
-  std::vector<std::uint8_t> bytes(message.size());
-  ByteStream stream{&bytes};
+BagMessage bytesOf(const rosbag::MessageInstance& message, const ros::Time& received) {
+  BagMessage bytes{message.getTopic(),
+                   message.getDataType(),
+                   message.getMD5Sum(),
+                   received,
+                   std::vector<std::uint8_t>(message.size()),
+                   message.getTime(),
+                   message.getCallerId()};
+  ByteStream stream{&bytes.bytes};
   message.write(stream);
-  const std::string &topic = message.getTopic(), &type = message.getDataType(),
-                    &md5 = message.getMD5Sum(), publisher = message.getCallerId();
+  return bytes;
+}
+
+// Sends one message. The child does not decode it.
+void sendMessage(int pipe, const BagMessage& message) {
   Header header;
   header.kind = Header::kMessage;
-  header.topic = static_cast<std::uint32_t>(topic.size());
-  header.type = static_cast<std::uint32_t>(type.size());
-  header.md5 = static_cast<std::uint32_t>(md5.size());
-  header.publisher = static_cast<std::uint32_t>(publisher.size());
-  header.bytes = static_cast<std::uint32_t>(bytes.size());
-  header.sec = received.sec;
-  header.nsec = received.nsec;
-  header.clock_sec = message.getTime().sec;
-  header.clock_nsec = message.getTime().nsec;
+  header.topic = static_cast<std::uint32_t>(message.topic.size());
+  header.type = static_cast<std::uint32_t>(message.type.size());
+  header.md5 = static_cast<std::uint32_t>(message.md5.size());
+  header.publisher = static_cast<std::uint32_t>(message.publisher.size());
+  header.bytes = static_cast<std::uint32_t>(message.bytes.size());
+  header.sec = message.received.sec;
+  header.nsec = message.received.nsec;
+  header.clock_sec = message.clock.sec;
+  header.clock_nsec = message.clock.nsec;
   send(pipe, &header, sizeof header);
-  const std::string texts = topic + type + md5 + publisher;
+  const std::string texts = message.topic + message.type + message.md5 + message.publisher;
   send(pipe, texts.data(), texts.size());
-  send(pipe, bytes.data(), bytes.size());
+  send(pipe, message.bytes.data(), message.bytes.size());
 }
 
 // Throws std::runtime_error for files that rosbag would report in a confusing way.
@@ -196,6 +204,32 @@ Connections selectedConnections(const rosbag::Bag& bag, const BagSelection& sele
   return selected;
 }
 
+// Returns whether the transforms of a connection contradict those of before their times fell. A
+// damaged message tells nothing.
+bool isOfSeveralEpisodes(const rosbag::Bag& bag, std::uint32_t connection,
+                         const std::vector<std::size_t>& parts) {
+  rosbag::View view(
+      bag, [connection](const rosbag::ConnectionInfo* other) { return other->id == connection; });
+  const std::vector<rosbag::MessageInstance> messages(view.begin(), view.end());
+  std::vector<std::size_t> ranks(messages.size());
+  std::iota(ranks.begin(), ranks.end(), std::size_t{0});
+  std::stable_sort(ranks.begin(), ranks.end(), [&parts](std::size_t a, std::size_t b) {
+    return parts.at(a) < parts.at(b);  // by far faster than to read the parts in turn
+  });
+  EpisodesOfTransforms episodes;
+  std::size_t part = 0;
+  for (const std::size_t rank : ranks) {
+    if (std::exchange(part, parts[rank]) != parts[rank]) episodes.beginPart();
+    try {
+      const BagMessage message = bytesOf(messages[rank], messages[rank].getTime());
+      for (const auto& transform : toTransforms(message).transforms) episodes.add(transform);
+    } catch (const std::exception&) {
+    }
+    if (episodes.found()) return true;
+  }
+  return false;
+}
+
 // Returns the order of the messages if the recorder's clock went back; else nothing. Where there is
 // more than transforms, these tell only if they contradict one another: several recordings of them
 // may have been merged.
@@ -209,22 +243,11 @@ std::vector<OrderedMessage> orderOf(const rosbag::Bag& bag, const BagSelection& 
     if (type != "tf2_msgs/TFMessage" && type != "tf/tfMessage") others.insert(connection->id);
   }
   if (bag.getMajorVersion() != 2) return {};
-  const auto contradicts = [&](std::uint32_t connection, const std::vector<std::size_t>& parts) {
-    const auto messages = selectedConnections(bag, selection).at(connection);
-    const std::size_t falls = *std::max_element(parts.begin(), parts.end());
-    std::vector<std::vector<geometry_msgs::TransformStamped>> transforms(falls + 1);
-    for (std::size_t i = 0; i < messages.size(); ++i) {
-      try {
-        const auto message = messages[i].instantiate<tf2_msgs::TFMessage>();
-        std::vector<geometry_msgs::TransformStamped>& part = transforms.at(parts.at(i));
-        part.insert(part.end(), message->transforms.begin(), message->transforms.end());
-      } catch (const ros::Exception&) {  // it is damaged, and counted when it is sent
-      }
-    }
-    return areOfSeveralEpisodes(transforms);
-  };
   try {
-    return recordedOrder(bag.getFileName(), all, others.empty() ? all : others, contradicts);
+    return recordedOrder(bag.getFileName(), all, others.empty() ? all : others,
+                         [&bag](std::uint32_t connection, const std::vector<std::size_t>& parts) {
+                           return isOfSeveralEpisodes(bag, connection, parts);
+                         });
   } catch (const std::exception& error) {
     throw std::runtime_error(bag.getFileName() + ": " + error.what());
   }
@@ -236,7 +259,8 @@ void sendInOrder(int pipe, const rosbag::Bag& bag, const BagSelection& selection
                  const std::vector<OrderedMessage>& order) {
   const Connections connections = selectedConnections(bag, selection);
   for (const OrderedMessage& message : order) {
-    sendMessage(pipe, connections.at(message.connection).at(message.rank), message.received);
+    sendMessage(pipe,
+                bytesOf(connections.at(message.connection).at(message.rank), message.received));
   }
 }
 
@@ -268,7 +292,7 @@ void readAll(int pipe, const std::vector<std::string>& paths, const BagSelection
       sendInOrder(pipe, bags.front(), selection, order);
     } else {
       for (const rosbag::MessageInstance& message : view) {
-        sendMessage(pipe, message, message.getTime());
+        sendMessage(pipe, bytesOf(message, message.getTime()));
       }
     }
     sendText(pipe, Header::kEnd, "");

@@ -7,6 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "monitor/input/transform_lookup.h"
+#include "tools/bags/bag_messages.h"
 #include "tools/bags/bag_records.h"
 
 namespace deformable_contact_monitor {
@@ -153,33 +155,23 @@ std::vector<OrderedMessage> recordedOrder(const std::string& path,
   return order;
 }
 
-bool areOfSeveralEpisodes(const std::vector<std::vector<geometry_msgs::TransformStamped>>& parts) {
-  using Track = std::map<ros::Time, geometry_msgs::Transform>;
-  std::map<std::string, Track> earlier;  // by frame
-  for (const auto& part : parts) {
-    struct Count {
-      std::size_t shared = 0, all = 0;  // of the transforms at times that were there before
-    };
-    std::map<std::string, Count> counts;
-    std::map<std::string, Track> current;
-    for (const geometry_msgs::TransformStamped& transform : part) {
-      const ros::Time& stamp = transform.header.stamp;
-      current[transform.child_frame_id][stamp] = transform.transform;
-      const Track& before = earlier[transform.child_frame_id];
-      if (before.empty() || stamp < before.begin()->first || stamp > before.rbegin()->first) {
-        continue;
-      }
-      const auto same = before.find(stamp);
-      Count& count = counts[transform.child_frame_id];
-      ++count.all;
-      count.shared += same != before.end() && same->second == transform.transform;
-    }
-    for (const auto& [frame, count] : counts) {
-      if (2 * count.shared < count.all) return true;
-    }
-    for (auto& [frame, track] : current) earlier[frame].merge(track);
+void EpisodesOfTransforms::beginPart() {
+  for (auto& [frame, track] : current_) earlier_[frame].merge(track);
+  current_.clear();
+}
+
+void EpisodesOfTransforms::add(const geometry_msgs::TransformStamped& transform) {
+  if (!isValid(transform)) return;
+  const std::string frame = plainFrame(transform.child_frame_id);
+  const ros::Time& stamp = transform.header.stamp;
+  const PoseInParent place = placeOf(transform);
+  const auto earlier = earlier_.find(frame);
+  if (earlier != earlier_.end()) {
+    differences_ += contradicts(earlier->second, stamp, place, kLongestStepS);
   }
-  return false;
+  if (stored_ == kMost) return;
+  ++stored_;
+  current_[frame][stamp] = place;
 }
 
 }  // namespace deformable_contact_monitor

@@ -8,9 +8,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
+
+#include "monitor/input/rival_transforms.h"
 
 namespace deformable_contact_monitor {
 
@@ -37,8 +40,22 @@ std::vector<OrderedMessage> recordedOrder(const std::string& path,
                                           const std::set<std::uint32_t>& decisive,
                                           const Contradicts& contradicts);
 
-// Returns whether a frame is elsewhere in a later part than in the parts before, at the times that
-// both have: in most of its transforms there. Else two recordings of the same were merged.
-bool areOfSeveralEpisodes(const std::vector<std::vector<geometry_msgs::TransformStamped>>& parts);
+// Tells episodes from two recordings of the same that were merged: in episodes, a frame is
+// elsewhere at the stamps that both have. Takes the transforms of one connection, part by part.
+class EpisodesOfTransforms {
+ public:
+  void beginPart();
+  void add(const geometry_msgs::TransformStamped& transform);
+  bool found() const { return differences_ >= kFewest; }
+
+ private:
+  static constexpr int kFewest = 5;  // transforms; one of them may be wrong
+  static constexpr double kLongestStepS = 1.1;
+  static constexpr std::size_t kMost = 1000000;  // of places that are kept, about 300 MB
+
+  std::map<std::string, FrameTrack> earlier_, current_;  // by frame
+  int differences_ = 0;
+  std::size_t stored_ = 0;
+};
 
 }  // namespace deformable_contact_monitor

@@ -101,6 +101,13 @@ TEST_F(TransformBufferTest, AFrameOnBothTopicsCountsWhileTheyAgree) {
   const PoseAnswer answer = ask("arm", 1.6);
   EXPECT_EQ(answer.outcome, Outcome::kPast);
   EXPECT_TRUE(isContested(answer)) << answer.problem;
+
+  add("base", "leg", 1, 1);
+  add("base", "leg", 1, 1, true);
+  add("base", "leg", 1.4, 1);
+  add("base", "leg", 1.8, 2);
+  EXPECT_EQ(outcome("leg", 1.2), Outcome::kFound);
+  EXPECT_TRUE(isContested(ask("leg", 1.8))) << "/tf moved on";
 }
 
 TEST_F(TransformBufferTest, NothingIsKnownWithinAGap) {
@@ -139,7 +146,7 @@ TEST_F(TransformBufferTest, WhoContradictsAnotherPublisherIsNamed) {
   add("base", "other", 0, 1, true);
   for (int i = 0; i < 4; ++i) {
     add("base", "arm", 1 + 0.1 * i, 1 + 0.01 * i);
-    add("base", "arm", 1.05 + 0.1 * i, 1.03, false, "/second");
+    add("base", "arm", 1.05 + 0.1 * i, 1.5, false, "/second");
   }
   const PoseAnswer answer = ask("arm", 1.3);
   EXPECT_EQ(answer.outcome, Outcome::kPast);
@@ -147,9 +154,23 @@ TEST_F(TransformBufferTest, WhoContradictsAnotherPublisherIsNamed) {
             "two nodes publish TF frame 'arm' on /tf, at different places: /moving and /second; "
             "stop one of them");
   EXPECT_EQ(outcome("other", 1.3), Outcome::kFound);
-  for (double stamp_s = 1.4; stamp_s < 3; stamp_s += 0.1) add("base", "arm", stamp_s, 1);
+  for (double stamp_s = 1.4; stamp_s < 4; stamp_s += 0.1) add("base", "arm", stamp_s, 1);
   EXPECT_EQ(outcome("arm", 1.3), Outcome::kPast);
-  EXPECT_EQ(outcome("arm", 2.8), Outcome::kFound) << "the second one is gone";
+  EXPECT_EQ(outcome("arm", 3.5), Outcome::kFound) << "the second one is gone";
+  for (double stamp_s = 8; stamp_s < 9; stamp_s += 0.1) add("base", "arm", stamp_s, 1);
+  EXPECT_EQ(outcome("arm", 8.5), Outcome::kFound) << "what is old is forgotten";
+}
+
+// A pause ends what is remembered of both while one of them is compared.
+TEST_F(TransformBufferTest, PublishersThatPauseTogetherGoOn) {
+  for (const double start_s : {1, 20, 40}) {
+    for (int i = 0; i < 10; ++i) {
+      const std::string first = start_s < 30 ? "/a" : "/z", second = start_s < 30 ? "/z" : "/a";
+      add("base", "arm", start_s + 0.1 * i, 1, false, first);
+      add("base", "arm", start_s + 0.05 + 0.1 * i, 1, false, second);
+    }
+    EXPECT_EQ(outcome("arm", start_s + 0.7), Outcome::kFound);
+  }
 }
 
 TEST_F(TransformBufferTest, WhoHasTwoPlacesForAStampIsNamed) {
@@ -161,15 +182,26 @@ TEST_F(TransformBufferTest, WhoHasTwoPlacesForAStampIsNamed) {
   EXPECT_EQ(answer.outcome, Outcome::kPast);
   EXPECT_EQ(answer.problem,
             "/moving publishes TF frame 'arm' twice at one stamp, at different places");
+  geometry_msgs::TransformStamped malformed;
+  malformed.header.frame_id = "base";
+  malformed.header.stamp = ros::Time(2);
+  malformed.child_frame_id = "leg";
+  malformed.transform.translation.x = 9;
+  malformed.transform.rotation.w = 0.5;
+  add("base", "leg", 1.9, 1);
+  buffer_.add(malformed, "/moving", false, SteadyTime());
+  add("base", "leg", 2, 1);
+  EXPECT_EQ(outcome("leg", 2), Outcome::kFound);
 }
 
-// Both publish a walk that nobody sees. They disagree only where one adds an offset to it, and
-// their transforms come in any order.
+// Both publish a frame that swings. They disagree only where one adds an offset to it, and their
+// transforms come in any order.
 TEST_F(TransformBufferTest, RandomPublishersAgreeUnlessOneIsElsewhere) {
   for (unsigned seed = 1; seed <= 200; ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> share(0, 1);
-    const double speed = 2 * share(random), offset = seed % 2 == 0 ? 0 : 0.01 + share(random);
+    const double amplitude_m = 0.2 * share(random), frequency = 9 * share(random);  // [rad/s]
+    const double offset_m = seed % 2 == 0 ? 0 : 3 * amplitude_m + 0.1;
     TransformBuffer buffer([this] { return now_; }, 0.5);
     struct Sent {
       double arrival_s, stamp_s, x_m;
@@ -179,7 +211,8 @@ TEST_F(TransformBufferTest, RandomPublishersAgreeUnlessOneIsElsewhere) {
     for (const std::string publisher : {"/one", "/two"}) {
       const double period_s = 0.01 + 0.03 * share(random), late_s = 0.2 * share(random);
       for (double stamp_s = 100 + period_s * share(random); stamp_s < 102; stamp_s += period_s) {
-        const double x_m = speed * stamp_s + (publisher == "/two" ? (2 * speed + 1) * offset : 0);
+        const double x_m =
+            amplitude_m * std::sin(frequency * stamp_s) + (publisher == "/two" ? offset_m : 0);
         sent.push_back({stamp_s + late_s, stamp_s, x_m, publisher});
       }
     }
@@ -198,7 +231,7 @@ TEST_F(TransformBufferTest, RandomPublishersAgreeUnlessOneIsElsewhere) {
     for (const double stamp_s : {100.5, 101.0, 101.7}) {
       const PoseAnswer answer =
           TransformLookup(buffer, "base").lookup({{"arm", ros::Time(stamp_s)}}).at(0);
-      EXPECT_EQ(answer.outcome == Outcome::kFound, offset == 0) << seed << " " << answer.problem;
+      EXPECT_EQ(answer.outcome == Outcome::kFound, offset_m == 0) << seed << " " << answer.problem;
     }
   }
 }

@@ -260,25 +260,36 @@ TEST(RecordedTime, AFrameThatIsOnBothTopicsIsNotKnown) {
   EXPECT_EQ(statesOf(&same, urdf("prismatic", 0.1)), "----CCCCC");
 }
 
-// The second episode ends before its first mesh, so that no mesh tells of it. Of two recordings
-// that were merged, the second one has the same transforms, or those of another frame.
+// The second episode ends before its first mesh, so that no mesh tells of it. It may begin as the
+// first one did. Of two recordings that were merged, the second one has the same transforms, or
+// those of another frame, and each may lack some.
 TEST(RecordedTime, TransformsAloneTellThatASimulatorStartedAnew) {
-  enum class Second { kEpisode, kSame, kOtherFrame };
-  for (const Second second : {Second::kEpisode, Second::kSame, Second::kOtherFrame}) {
+  enum class Second { kEpisode, kLateEpisode, kSame, kOtherFrame };
+  for (const Second second :
+       {Second::kEpisode, Second::kLateEpisode, Second::kSame, Second::kOtherFrame}) {
+    SCOPED_TRACE(static_cast<int>(second));
     WrittenBag bag;
     bag.camera(0, 0);
     const bool is_other = second == Second::kOtherFrame;
+    const bool is_episode = second == Second::kEpisode || second == Second::kLateEpisode;
     for (int i = 0; i < 80; ++i) {
       const ros::Time stamp = at(kPeriod * (i + 0.25));
-      bag.transform("/tf", stamp, stamp, is_other ? "elsewhere" : "finger", 0);
+      if (is_episode || i % 3 != 0) {
+        bag.transform("/tf", stamp, stamp, is_other ? "elsewhere" : "finger", 0);
+        bag.transform("/tf", stamp, stamp, "broken", std::nan(""));
+      }
       if (i > 40) bag.mesh(at(kPeriod * (i + 0.3)), at(kPeriod * i), "cloth");
     }
-    const bool is_episode = second == Second::kEpisode;
     for (int i = 0; i < (is_episode ? 70 : 80); ++i) {
-      const ros::Time stamp = at(kPeriod * (i + (is_episode ? 0.75 : 0.25)));
-      bag.transform("/tf", stamp, stamp, "finger", is_episode ? 5 : 0);
+      const double shift = second == Second::kEpisode ? 0.75 : 0.25;
+      const ros::Time stamp = at(kPeriod * (i + shift));
+      const bool is_away = is_episode && i >= (second == Second::kLateEpisode ? 45 : 0);
+      if (is_other || is_episode || i % 3 != 1) {
+        bag.transform("/tf", stamp, stamp, "finger", is_away ? 5 : 0);
+        bag.transform("/tf", stamp, stamp, "broken", std::nan(""));
+      }
     }
-    EXPECT_EQ(statesOf(&bag, urdf("prismatic", 0.1)), times(39, 'C')) << static_cast<int>(second);
+    EXPECT_EQ(statesOf(&bag, urdf("prismatic", 0.1)), times(39, 'C'));
   }
 }
 
