@@ -11,7 +11,8 @@
 namespace deformable_contact_monitor {
 namespace {
 
-constexpr double kTolerance = 1e-3;  // [m], and of the rotations' matrices
+// [m], and of the rotations' matrices. A filter may send a stamp again with a better estimate.
+constexpr double kTolerance = 1e-3, kToleranceOfRepetitions = 0.05;
 // Longer steps tell nothing of what is between them. A publisher may send once a second.
 constexpr double kLeastStepS = 1.1, kMostStepS = 10;
 
@@ -30,9 +31,9 @@ Distance distance(const RigidTransform& a, const RigidTransform& b) {
   return d;
 }
 
-bool areApart(const PoseInParent& a, const PoseInParent& b) {
+bool areApart(const PoseInParent& a, const PoseInParent& b, double tolerance) {
   const Distance d = distance(a.pose, b.pose);
-  return a.parent != b.parent || d.translation > kTolerance || d.rotation > kTolerance;
+  return a.parent != b.parent || d.translation > tolerance || d.rotation > tolerance;
 }
 
 }  // namespace
@@ -45,7 +46,7 @@ bool contradicts(const FrameTrack& track, const ros::Time& stamp, const PoseInPa
                  double longest_step_s) {
   const auto after = track.lower_bound(stamp);
   if (after == track.end()) return false;
-  if (after->first == stamp) return areApart(after->second, place);
+  if (after->first == stamp) return areApart(after->second, place, kTolerance);
   if (after == track.begin()) return false;
   const auto before = std::prev(after);
   if (secondsBetween(after->first, before->first) > longest_step_s) return false;
@@ -73,7 +74,7 @@ bool RivalTransforms::look(const geometry_msgs::TransformStamped& transform,
   longest_step_s_ = std::clamp(max_gap_s, kLeastStepS, kMostStepS);
   if (tracks_.empty() && (publisher_.empty() || publisher == publisher_)) {
     const bool is_twice = !publisher_.empty() && stamp == last_.header.stamp &&
-                          areApart(placeOf(last_), placeOf(transform));
+                          areApart(placeOf(last_), placeOf(transform), kToleranceOfRepetitions);
     publisher_ = publisher;
     last_ = transform;
     if (is_twice) noteRival(publisher, publisher, stamp, stamp);
