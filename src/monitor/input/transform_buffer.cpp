@@ -139,7 +139,7 @@ std::string TransformBuffer::problemAt(const std::string& frame, const std::stri
     const bool is_contested =
         child.differ_from ? stamp >= *child.differ_from : stamp > child.newest.header.stamp;
     if (!child.contest.empty() && is_contested) return child.contest;
-    const std::string rivals = child.rivals.problemAt(stamp);
+    std::string rivals = child.rivals.problemAt(stamp);
     if (!rivals.empty()) return rivals;
     for (const Gap& gap : child.gaps) {
       if (stamp <= gap.begin || stamp >= gap.end) continue;
