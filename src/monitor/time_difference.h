@@ -15,9 +15,10 @@ inline std::int64_t nanosecondsBetween(const ros::Time& a, const ros::Time& b) {
   return static_cast<std::int64_t>(a.toNSec()) - static_cast<std::int64_t>(b.toNSec());
 }
 
-// Returns a - b [s].
+// Returns a - b [s], rounded once: 600 000 000 ns are the double 0.6, which they are not times
+// 1e-9.
 inline double secondsBetween(const ros::Time& a, const ros::Time& b) {
-  return 1e-9 * static_cast<double>(nanosecondsBetween(a, b));
+  return static_cast<double>(nanosecondsBetween(a, b)) / 1e9;
 }
 
 // Returns the duration nearest to so many seconds that ros::Duration can hold.

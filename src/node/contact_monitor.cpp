@@ -130,6 +130,7 @@ void ContactMonitor::keepStatesFresh() {
 void ContactMonitor::checkInputsAndMaster() {
   try {
     lookAtInputs();
+    transforms_.dropStaticsOfThoseGone();
     checkMaster();
   } catch (const XmlRpc::XmlRpcException& error) {
     ROS_WARN_STREAM("the answer of the ROS master cannot be read: "

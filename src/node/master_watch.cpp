@@ -1,10 +1,18 @@
 // Asks the ROS master for topics, and whether it still knows this node.
 #include "node/master_watch.h"
 
+#include <netdb.h>
+#include <poll.h>
 #include <ros/master.h>
+#include <ros/network.h>
 #include <ros/this_node.h>
+#include <sys/socket.h>
+#include <unistd.h>
 #include <xmlrpcpp/XmlRpcValue.h>
 
+#include <cerrno>
+#include <cstdint>
+#include <memory>
 #include <optional>
 
 namespace deformable_contact_monitor {
@@ -14,10 +22,11 @@ using XmlRpc::XmlRpcValue;
 
 // Returns the answer, or nothing if there is none. ros::master::getTopics() would wait for one,
 // even after a shutdown.
-std::optional<XmlRpcValue> ask(const std::string& method, const std::string& argument = "") {
+std::optional<XmlRpcValue> ask(const std::string& method,
+                               const std::optional<std::string>& argument = std::nullopt) {
   XmlRpcValue request, response, payload;
   request[0] = ros::this_node::getName();
-  if (method == "getPublishedTopics") request[1] = argument;
+  if (argument) request[1] = *argument;
   if (!ros::master::execute(method, request, response, payload, false)) return std::nullopt;
   return payload;
 }
@@ -42,15 +51,44 @@ bool isPublisher(XmlRpcValue& state, const std::string& topic, const std::string
   return false;
 }
 
+// Returns false only if nobody listens at the node's address. A host that is silent may be back.
+bool mayListen(const std::string& uri) {
+  constexpr int kPatienceMs = 300;
+  std::string host;
+  std::uint32_t port = 0;
+  if (!ros::network::splitURI(uri, host, port)) return true;
+  addrinfo* found = nullptr;
+  if (getaddrinfo(host.c_str(), std::to_string(port).c_str(), nullptr, &found) != 0) return true;
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> address(found, &freeaddrinfo);
+  const int socket = ::socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (socket < 0) return true;
+  int error = connect(socket, address->ai_addr, address->ai_addrlen) == 0 ? 0 : errno;
+  pollfd one{socket, POLLOUT, 0};
+  if (error == EINPROGRESS && poll(&one, 1, kPatienceMs) == 1) {
+    socklen_t size = sizeof error;
+    getsockopt(socket, SOL_SOCKET, SO_ERROR, &error, &size);
+  }
+  close(socket);
+  return error != ECONNREFUSED;
+}
+
 }  // namespace
 
 std::map<std::string, std::string> publishedTypes() {
   std::map<std::string, std::string> types;
-  std::optional<XmlRpcValue> topics = ask("getPublishedTopics");
+  std::optional<XmlRpcValue> topics = ask("getPublishedTopics", "");
   for (int i = 0; topics && i < topics->size(); ++i) {
     types[static_cast<std::string&>((*topics)[i][0])] = static_cast<std::string&>((*topics)[i][1]);
   }
   return types;
+}
+
+bool mayPublish(const std::string& node, const std::string& topic) {
+  std::optional<XmlRpcValue> state = ask("getSystemState");
+  if (!state) return true;
+  if (!isPublisher(*state, topic, node)) return false;
+  std::optional<XmlRpcValue> uri = ask("lookupNode", node);
+  return !uri || mayListen(static_cast<std::string&>(*uri));
 }
 
 bool MasterWatch::isUnregistered() {

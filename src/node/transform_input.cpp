@@ -8,6 +8,7 @@
 
 #include "monitor/input/usable_stamp.h"
 #include "monitor/time_difference.h"
+#include "node/master_watch.h"
 
 namespace deformable_contact_monitor {
 
@@ -41,6 +42,13 @@ std::string TransformInput::describePublishers() const {
     text += subscriber.getTopic();
   }
   return text;
+}
+
+void TransformInput::dropStaticsOfThoseGone() {
+  const std::string topic = subscribers_.back().getTopic();
+  for (const std::string& node : buffer_.staticRivals()) {
+    if (!mayPublish(node, topic)) buffer_.dropStatic(node);
+  }
 }
 
 // A transform that tf2 rejects does not affect the others of its message.

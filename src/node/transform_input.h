@@ -23,6 +23,11 @@ class TransformInput {
   // /tf_static". Any thread.
   std::string describePublishers() const;
 
+  // Asks the ROS master which of the nodes whose static transforms contradict each other are still
+  // there, and drops those of the others. May be called by any thread, and may take a while; throws
+  // as master_watch.h says.
+  void dropStaticsOfThoseGone();
+
  private:
   // Subscribes to a topic of transforms; a static one holds transforms without time.
   void subscribe(const std::string& topic, bool is_static);

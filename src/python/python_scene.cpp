@@ -124,10 +124,10 @@ All pairs of parts are enabled at first. Part 0 of a body without parts is all o
 stays when meshes and parts change. a == b: contacts within one body.
 Raises ValueError where there is no such body, or a part is not in [0, 255].)";
 
-// Returns the number of a part. Checks before narrowing.
-PartId checkedPart(std::int64_t part) {
+// Returns the number of a part of that body. Checks before narrowing.
+PartId checkedPart(std::int64_t part, const std::string& body) {
   if (part >= 0 && part <= 255) return static_cast<PartId>(part);
-  throw std::invalid_argument("part " + std::to_string(part) + " is not in [0, 255]");
+  throw std::invalid_argument(body + ": part " + std::to_string(part) + " is not in [0, 255]");
 }
 
 }  // namespace
@@ -176,7 +176,7 @@ void PythonScene::setPose(std::int64_t id, py::handle rotation, py::handle trans
 // The core checks the values, here and in the functions below.
 void PythonScene::setPartMargins(std::int64_t id, const std::map<std::int64_t, float>& margins_m) {
   std::map<PartId, float> of_parts;
-  for (const auto& [part, margin_m] : margins_m) of_parts[checkedPart(part)] = margin_m;
+  for (const auto& [part, margin_m] : margins_m) of_parts[checkedPart(part, nameOf(id))] = margin_m;
   changeable().setPartMargins(checkedId(id), std::move(of_parts));
 }
 
@@ -213,8 +213,9 @@ void PythonScene::setParts(std::int64_t id, py::handle parts) {
       throw std::invalid_argument(nameOf(id) + ": parts must be integers of shape (n,)");
     }
     const auto numbers = py::array_t<std::int64_t, py::array::forcecast>::ensure(array);
+    const std::string name = nameOf(id);
     for (py::ssize_t t = 0; t < numbers.size(); ++t) {
-      part_of_triangle.push_back(checkedPart(numbers.at(t)));
+      part_of_triangle.push_back(checkedPart(numbers.at(t), name));
     }
     if (part_of_triangle.empty() && scene_.body(checkedId(id)).mesh.triangleCount() > 0) {
       throw std::invalid_argument(nameOf(id) + ": parts has none, must have as many as triangles");
@@ -225,8 +226,8 @@ void PythonScene::setParts(std::int64_t id, py::handle parts) {
 
 void PythonScene::setPartPairEnabled(std::int64_t a, std::int64_t part_a, std::int64_t b,
                                      std::int64_t part_b, bool enabled) {
-  changeable().setPartPairEnabled(checkedId(a), checkedPart(part_a), checkedId(b),
-                                  checkedPart(part_b), enabled);
+  changeable().setPartPairEnabled(checkedId(a), checkedPart(part_a, nameOf(a)), checkedId(b),
+                                  checkedPart(part_b, nameOf(b)), enabled);
 }
 
 bool PythonScene::pairEnabled(std::int64_t a, std::int64_t b) const {

@@ -221,8 +221,9 @@ class ContactReader {
 
   // Returns a - b [s]. ros::Duration would throw if they are more than 68 years apart.
   static double seconds(const ros::Time& a, const ros::Time& b) {
-    return 1e-9 * static_cast<double>(static_cast<std::int64_t>(a.toNSec()) -
-                                      static_cast<std::int64_t>(b.toNSec()));
+    return static_cast<double>(static_cast<std::int64_t>(a.toNSec()) -
+                               static_cast<std::int64_t>(b.toNSec())) /
+           1e9;
   }
 
   static std::string text(const char* format, double value) {

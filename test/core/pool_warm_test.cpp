@@ -154,9 +154,6 @@ std::size_t residentBytes() {
 // Links come and go, as when their transforms are missing now and then: each cycle has another set
 // of pairs, up to the most detectors that a pool makes.
 TEST(WarmDetectorsOnTheCpu, ManySetsOfPairsTakeLittleMemory) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers keep memory that was freed";
-#endif
   Scene scene;
   const BodyId cloth = scene.addBody("cloth", clothGrid(150, 1, 0.01F, 0.03F));
   scene.setPairEnabled(cloth, cloth, true);
@@ -165,6 +162,7 @@ TEST(WarmDetectorsOnTheCpu, ManySetsOfPairsTakeLittleMemory) {
   const auto detector = makeDetectorPool(poolOf(cpuDetectorMaker()));
   Options options;
   options.nearest = true;
+  options.threads = 2;  // the allocator keeps memory for each thread
   std::size_t after_few = 0;
   for (unsigned set = 0; set < 100; ++set) {
     for (std::size_t i = 0; i < links.size(); ++i) {
@@ -174,8 +172,11 @@ TEST(WarmDetectorsOnTheCpu, ManySetsOfPairsTakeLittleMemory) {
     if (set == 4) after_few = residentBytes();
   }
   ASSERT_GT(after_few, 0U);
-  const std::size_t grown = residentBytes() - std::min(residentBytes(), after_few);
+  [[maybe_unused]] const std::size_t grown =
+      residentBytes() - std::min(residentBytes(), after_few);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // these keep what was freed
   EXPECT_LT(grown, scene.triangleCount() * 1000) << "bytes";  // unshared: 20 000 bytes a triangle
+#endif
 }
 
 // Says how it is used.

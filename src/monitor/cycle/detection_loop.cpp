@@ -264,19 +264,18 @@ void DetectionLoop::lookAtRobotsTime() {
 
 // Returns the stamp of the robot's next cycle: the newest at which the links' transforms are known,
 // or the present if these are too old, so that the cycle says which are, or ahead of the clock, as
-// readers take no such state for known. Nothing: a cycle of that stamp is done.
+// readers take no such state for known. Frames wait for one that has stopped, but not until the
+// states of the others are too old. Nothing: a cycle of that stamp is done.
 std::optional<ros::Time> DetectionLoop::nextRobotsStamp() {
+  constexpr double kShareOfAge = 0.8;
   const std::vector<std::string> frames = scene_.framesOfRobotCycle();
   if (frames.empty()) return std::nullopt;
   const ros::Time now = clock_.rosTime();
-  const double window_s = parameters_.max_mesh_age_s;
-  std::optional<ros::Time> newest = lookup_.newestCommon(frames, window_s);
-  // The clock of a rigid object's transforms may run ahead of that of the links.
-  const auto of_links = lookup_.newestCommon(scene_.framesOfRobotCycle(false), window_s);
-  if (newest && of_links && !of_links->isZero()) newest = std::min(*newest, *of_links);
+  const double max_age_s = parameters_.max_mesh_age_s;
+  const auto newest = lookup_.newestCommon(frames, kShareOfAge * max_age_s, now);
   if (!newest || newest->isZero()) return now.isZero() ? std::nullopt : std::optional(now);
   const double age_s = now.isZero() ? 0 : secondsBetween(now, *newest);
-  if (age_s > window_s || age_s < -kClockToleranceS) return now;
+  if (age_s > max_age_s || age_s < -kClockToleranceS) return now;
   if (*newest <= robots_stamp_) return std::nullopt;
   robots_stamp_ = *newest;
   return newest;

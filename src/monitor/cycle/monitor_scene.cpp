@@ -221,12 +221,11 @@ FrameAtStamp MonitorScene::frameAt(BodyId id, const ros::Time& t) const {
   return {placeOf(id).frame, t, isLink(id) ? bodies_[id].name : ""};
 }
 
-std::vector<std::string> MonitorScene::framesOfRobotCycle(bool with_rigid) const {
+std::vector<std::string> MonitorScene::framesOfRobotCycle() const {
   std::set<std::string> frames;
   for (const MonitoredPair& pair : pairs_) {
     if (pair.allowed || !isPosed(pair.b)) continue;
     for (const BodyId id : {pair.a, pair.b}) {
-      if (!with_rigid && bodies_[id].kind == BodyKind::kRigid) continue;
       if (posed_problems_[id].empty()) frames.insert(placeOf(id).frame);
     }
   }

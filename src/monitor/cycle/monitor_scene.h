@@ -86,9 +86,8 @@ class MonitorScene {
   // mesh was rejected. A cycle does not wait for the frames of other objects.
   std::vector<FrameAtStamp> awaitedFrames(std::size_t object, const ros::Time& t,
                                           const IncomingMesh& mesh) const;
-  // Returns the frames whose poses the robot's own cycles need; without those of rigid objects if
-  // `with_rigid` is false.
-  std::vector<std::string> framesOfRobotCycle(bool with_rigid = true) const;
+  // Returns the frames whose poses the robot's own cycles need.
+  std::vector<std::string> framesOfRobotCycle() const;
 
   // Brings the bodies of the cycle's pairs (isOfCycle) to stamp `t`. Links and rigid objects are
   // posed at `t`. Each other object, also one that triggered the cycle, has its newest accepted

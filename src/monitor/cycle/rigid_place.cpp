@@ -81,7 +81,7 @@ std::shared_ptr<const RigidGrip> findGrip(const GripQuestion& question,
     if (place.frame != parameters.reference_frame) frames.push_back(place.frame);
   }
   const ros::Time stamp =
-      lookup.newestCommon(frames, parameters.max_mesh_age_s).value_or(ros::Time());
+      lookup.newestCommon(frames, parameters.max_mesh_age_s, question.now).value_or(ros::Time());
   const double age_s = secondsBetween(question.now, stamp);
   if (!stamp.isZero() && !question.now.isZero() && age_s > parameters.max_mesh_age_s) {
     throw std::invalid_argument(name + ": the newest transforms of it and of " + question.link +

@@ -81,7 +81,7 @@ BodyPath pathBetween(const UsedBody& from, const UsedBody& to, const TransformLo
   const FramePlace place = placeIn(to);
   const std::int64_t length_ns = nanosecondsBetween(to.stamp, from.stamp);
   const std::int64_t parts = std::clamp<std::int64_t>(
-      std::llround(std::ceil(1e-9 * static_cast<double>(length_ns) / kSamplePeriodS)), 1,
+      std::llround(std::ceil(static_cast<double>(length_ns) / 1e9 / kSamplePeriodS)), 1,
       kMostParts);
   BodyPath path{{0, from.pose}};
   for (std::int64_t i = 1; i < parts; ++i) {

@@ -49,7 +49,10 @@ bool TransformBuffer::add(const geometry_msgs::TransformStamped& transform,
   child.is_static = is_static;
   if (is_new || is_static) child.publisher = publisher;
   if (is_static) {
-    child.newest = transform;
+    constexpr std::size_t kMostPublishers = 16;
+    child.newest = child.statics[publisher] = transform;
+    if (child.statics.size() > kMostPublishers) child.statics = {{publisher, transform}};
+    compareStatics(&child);
   } else {
     noteStamp(transform, &child);
   }
@@ -82,6 +85,44 @@ void TransformBuffer::compareTopics(Child* child) {
   const auto& moving = child->is_static ? child->contestant : child->newest;
   const ros::Time from = std::min(moving.header.stamp, ros_now_());
   child->differ_from = std::min(child->differ_from.value_or(from), from);
+}
+
+// Finds a publisher that has the static frame elsewhere than the newest one.
+void TransformBuffer::compareStatics(Child* child) {
+  child->static_problem.clear();
+  for (const auto& [publisher, transform] : child->statics) {
+    if (areSame(transform, child->newest)) continue;
+    child->static_problem = "TF frame '" + plainFrame(transform.child_frame_id) + "' came on " +
+                            "/tf_static from " + publisher + " and from " + child->publisher +
+                            ", which put it at different places: let one of them publish it";
+    any_contest_ = true;
+  }
+}
+
+std::set<std::string> TransformBuffer::staticRivals() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::set<std::string> names;
+  for (const auto& [frame, child] : children_) {
+    if (child.static_problem.empty()) continue;
+    for (const auto& of : child.statics) names.insert(of.first);
+  }
+  return names;
+}
+
+// If tf2 has that of the node, it gets that of another one.
+void TransformBuffer::dropStatic(const std::string& publisher) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (auto& [frame, child] : children_) {
+    if (child.static_problem.empty() || child.statics.size() < 2) continue;
+    child.statics.erase(publisher);
+    if (child.publisher == publisher) {
+      child.publisher = child.statics.begin()->first;
+      child.newest = child.statics.begin()->second;
+      setTransform(child.newest, child.publisher, true);
+    }
+    compareStatics(&child);
+    compareTopics(&child);
+  }
 }
 
 // Transforms may come out of order, and end a gap in its midst.
@@ -136,6 +177,7 @@ std::string TransformBuffer::problemAt(const std::string& frame, const std::stri
     const auto found = children_.find(name);
     if (found == children_.end()) continue;
     const Child& child = found->second;
+    if (!child.static_problem.empty()) return child.static_problem;
     const bool is_contested =
         child.differ_from ? stamp >= *child.differ_from : stamp > child.newest.header.stamp;
     if (!child.contest.empty() && is_contested) return child.contest;

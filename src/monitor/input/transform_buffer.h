@@ -11,6 +11,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,7 +30,9 @@ namespace deformable_contact_monitor {
 //   put it at different places, tf2 keeps to the topic that was first, in each node another one. If
 //   that is /tf_static, it gives the newest transform for any stamp, also when the publisher is
 //   gone.
-// - Two nodes publish a frame on /tf, at different places (RivalTransforms).
+// - Two nodes publish a frame on /tf, at different places (RivalTransforms), or on /tf_static,
+// where
+//   tf2 keeps the place that came last. Which one that is differs from node to node.
 // Any thread may call any function. What is put in by setTransform() is tf2's alone.
 class TransformBuffer : public tf2::BufferCore {
  public:
@@ -48,6 +51,13 @@ class TransformBuffer : public tf2::BufferCore {
 
   // Drops all transforms but the static ones, and for half a second those that come from before.
   void forget(SteadyTime steady_now);
+
+  // Returns the nodes that put a frame at different places on /tf_static. A node that is gone has
+  // no say any more, and the buffer cannot know that: dropStatic() tells it.
+  std::set<std::string> staticRivals() const;
+
+  // Forgets the static transforms of a node that contradict those of another one.
+  void dropStatic(const std::string& publisher);
 
   // Returns why the pose of `frame` in `reference` at that stamp is not known, although tf2 may
   // give one: a frame between the two has a gap then, is on both topics, or has two publishers that
@@ -70,11 +80,15 @@ class TransformBuffer : public tf2::BufferCore {
     // From this stamp on, the topics differ. They agree if it is empty.
     std::optional<ros::Time> differ_from;
     RivalTransforms rivals;  // on /tf
+    // On /tf_static: the newest transform of each publisher, and why they do not go together.
+    std::map<std::string, geometry_msgs::TransformStamped> statics;
+    std::string static_problem;
   };
 
   bool contest(const geometry_msgs::TransformStamped& transform, const std::string& publisher,
                Child* child);
   void compareTopics(Child* child);
+  void compareStatics(Child* child);
   void noteStamp(const geometry_msgs::TransformStamped& transform, Child* child);
   std::vector<std::string> framesBetween(const std::string& frame, const std::string& reference,
                                          const ros::Time& stamp) const;

@@ -106,7 +106,8 @@ void TransformLookup::noteReset() {
 }
 
 std::optional<ros::Time> TransformLookup::newestCommon(const std::vector<std::string>& frames,
-                                                       double window_s) const {
+                                                       double window_s,
+                                                       const ros::Time& now) const {
   std::vector<ros::Time> stamps;
   bool any = false;
   for (const std::string& frame : frames) {
@@ -122,8 +123,9 @@ std::optional<ros::Time> TransformLookup::newestCommon(const std::vector<std::st
   if (stamps.empty()) return ros::Time();
   // The oldest stamp within the window: all frames that count have a pose at it.
   std::sort(stamps.begin(), stamps.end());
+  const ros::Time end = now.isZero() ? stamps.back() : std::min(stamps.back(), now);
   return *std::find_if(stamps.begin(), stamps.end(), [&](const ros::Time& stamp) {
-    return secondsBetween(stamps.back(), stamp) <= window_s;
+    return secondsBetween(end, stamp) <= window_s;
   });
 }
 

@@ -299,7 +299,7 @@ ros::Time StateQuestions::presentStamp(const MovedBodies& moved, const StatesAsk
   }
   const double window_s = parameters_.max_mesh_age_s;
   const auto newest = [&](const std::vector<std::string>& of) {
-    return lookup_.newestCommon(of, window_s).value_or(ros::Time());
+    return lookup_.newestCommon(of, window_s, now).value_or(ros::Time());
   };
   const auto is_old = [&](const std::string& frame) {
     const ros::Time stamp = newest({frame});

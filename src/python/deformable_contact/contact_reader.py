@@ -445,4 +445,4 @@ def _missing(body, states):
 
 def _seconds(a, b):
     """a - b [s]."""
-    return 1e-9 * (a.to_nsec() - b.to_nsec())
+    return (a.to_nsec() - b.to_nsec()) / 1e9

@@ -172,7 +172,7 @@ def distances_of(distances, links, run):
              if any(distance > 0 for _, distance in line)}
     for row in links:
         bodies = row["body_a"], row["body_b"]
-        if row["run"] == run and row["state"] == "NONE" and bodies in lines:
+        if row["run"] == run and row["state"] in ("NONE", "UNKNOWN") and bodies in lines:
             lines[bodies].append((float(row["from"]), math.nan))
     return {bodies: sorted(line, key=lambda point: point[0]) for bodies, line in lines.items()}
 

@@ -179,7 +179,7 @@ void EvaluationTables::writeLink(const StretchKey& key, const Stretch& stretch) 
 }
 
 std::string EvaluationTables::sinceStart(const ros::Time& time) const {
-  return formatted("%.3f", secondsBetween(time, start_));
+  return formatted("%.9f", secondsBetween(time, start_));
 }
 
 // The distance of a pair that touches is 0, whatever its depth is. An UNKNOWN pair has no numbers,

@@ -140,6 +140,36 @@ TEST_F(PathsTest, TheRobotsOwnCycleIsOfThePresentIfTransformsAreAheadOfTheClock)
   EXPECT_EQ(stepAfter(200).back(), "cycle 50: *link0@50 *link1@50 cloth cable");
 }
 
+// Its clock may be wrong, or it predicts.
+TEST_F(PathsTest, ALinkThatStampsAheadHidesNoOther) {
+  useRobot(3);
+  parameters_.pair_classes = {false, false, false, true};
+  for (const char* const link : {"link0", "link1", "link2"}) addTransform(&transforms_, link, 49);
+  for (const char* const link : {"link0", "link1"}) addTransform(&transforms_, link, 49.9375);
+  addTransform(&transforms_, "link2", 50.75);
+  EXPECT_EQ(step().back(),
+            "cycle 49.9375: *link0@49.9375 *link1@49.9375 *link2@49.9375 cloth cable");
+}
+
+// States are known for 0.5 s.
+TEST_F(PathsTest, TheOthersGoOnWithoutALinkThatStoppedBeforeTheirStatesAreTooOld) {
+  useRobot(3);
+  parameters_.pair_classes = {false, false, false, true};
+  parameters_.max_mesh_age_s = 0.5;
+  for (const char* const link : {"link0", "link1", "link2"}) addTransform(&transforms_, link, 50);
+  EXPECT_EQ(step().back(), "cycle 50: *link0@50 *link1@50 *link2@50 cloth cable");
+  const auto stepAt = [this](double stamp_s) {
+    for (const char* const link : {"link0", "link1"}) addTransform(&transforms_, link, stamp_s);
+    return stepAfter(200, 125);
+  };
+  for (const double stamp_s : {50.125, 50.25, 50.375}) {
+    EXPECT_TRUE(stepAt(stamp_s).empty()) << stamp_s << ": they wait for it";
+  }
+  const std::string line = stepAt(50.4375).back();
+  EXPECT_NE(line.find("*link0@50.4375 *link1@50.4375 "), std::string::npos) << line;
+  EXPECT_NE(line.find("TF from 'link2' to 'base' is late"), std::string::npos) << line;
+}
+
 // It then says which transforms are late.
 TEST_F(PathsTest, TheRobotsOwnCycleIsOfThePresentIfTransformsAreTooOld) {
   useRobot(2);

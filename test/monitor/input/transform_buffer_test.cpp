@@ -69,6 +69,50 @@ TEST_F(TransformBufferTest, AFrameThatWasStaticAndMovesIsNotKnown) {
   EXPECT_EQ(outcome("other", 2), Outcome::kFound);
 }
 
+// Which of them tf2 has would be chance.
+TEST_F(TransformBufferTest, WhoPutsAStaticFrameElsewhereThanAnotherIsNamed) {
+  const auto addStatic = [this](const std::string& frame, double x_m,
+                                const std::string& publisher) {
+    geometry_msgs::TransformStamped t;
+    t.header.frame_id = "base";
+    t.child_frame_id = frame;
+    t.transform.translation.x = x_m;
+    t.transform.rotation.w = 1;
+    EXPECT_TRUE(buffer_.add(t, publisher, true, SteadyTime()));
+  };
+  addStatic("mount", 1, "/urdf");
+  addStatic("mount", 1, "/copy");
+  addStatic("mount", 1, "/urdf");
+  addStatic("other", 1, "/urdf");
+  add("mount", "camera", 1, 1);
+  EXPECT_EQ(outcome("camera", 1), Outcome::kFound);
+  EXPECT_TRUE(buffer_.staticRivals().empty());
+  addStatic("mount", 2, "/calibration");
+  for (const std::string frame : {"mount", "camera"}) {
+    EXPECT_EQ(ask(frame, 1).outcome, Outcome::kPast);
+    EXPECT_EQ(ask(frame, 1).problem,
+              "TF frame 'mount' came on /tf_static from /urdf and from /calibration, which put it "
+              "at different places: let one of them publish it");
+  }
+  EXPECT_EQ(outcome("other", 1), Outcome::kFound);
+  const std::set<std::string> all{"/calibration", "/copy", "/urdf"};
+  EXPECT_EQ(buffer_.staticRivals(), all);
+  buffer_.dropStatic("/urdf");
+  EXPECT_EQ(outcome("mount", 1), Outcome::kPast) << "the copy is still there";
+  buffer_.dropStatic("/copy");
+  EXPECT_EQ(outcome("camera", 1), Outcome::kFound);
+  EXPECT_EQ(ask("mount", 1).pose.translation[0], 2);
+  buffer_.dropStatic("/calibration");
+  EXPECT_EQ(ask("mount", 1).pose.translation[0], 2) << "nobody contradicts it";
+
+  addStatic("mount", 3, "/late");
+  EXPECT_EQ(outcome("mount", 1), Outcome::kPast);
+  buffer_.dropStatic("/late");
+  EXPECT_EQ(ask("mount", 1).pose.translation[0], 2) << "that of the one that is left";
+  addStatic("mount", 4, "/calibration");
+  EXPECT_EQ(ask("mount", 1).pose.translation[0], 4) << "it may change its own";
+}
+
 TEST_F(TransformBufferTest, AMalformedTransformChangesNothing) {
   add("base", "arm", 0, 1, true);
   EXPECT_FALSE(add("base", "arm", 1, std::nan("")));

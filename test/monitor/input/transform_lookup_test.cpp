@@ -201,14 +201,20 @@ TEST_F(TransformLookupTest, OneLateFrameCostsNoOtherItsPose) {
 }
 
 TEST_F(TransformLookupTest, TheNewestCommonStampIsThatOfTheSlowestThatMoves) {
-  EXPECT_FALSE(lookup_.newestCommon({"arm", "hand"}, 0.5)) << "nothing is known";
+  const auto newest = [this](const std::vector<std::string>& frames, double now_s = 0) {
+    return lookup_.newestCommon(frames, 0.5, ros::Time(now_s));
+  };
+  EXPECT_FALSE(newest({"arm", "hand"})) << "nothing is known";
   set(transform("base", "wall", 10), true);
-  EXPECT_EQ(lookup_.newestCommon({"wall", "ghost"}, 0.5), ros::Time()) << "always";
+  EXPECT_EQ(newest({"wall", "ghost"}), ros::Time()) << "always";
   set(transform("base", "arm", 10));
   set(transform("base", "hand", 10.25));
-  EXPECT_EQ(lookup_.newestCommon({"arm", "hand", "wall", "ghost"}, 0.5), ros::Time(10));
+  EXPECT_EQ(newest({"arm", "hand", "wall", "ghost"}), ros::Time(10));
   set(transform("base", "hand", 10.75));
-  EXPECT_EQ(lookup_.newestCommon({"arm", "hand"}, 0.5), ros::Time(10.75)) << "the arm has stopped";
+  EXPECT_EQ(newest({"arm", "hand"}), ros::Time(10.75)) << "the arm has stopped";
+  EXPECT_EQ(newest({"arm", "hand"}, 10.5), ros::Time(10)) << "the hand is ahead";
+  EXPECT_EQ(newest({"arm", "hand"}, 10.625), ros::Time(10.75)) << "the arm has stopped";
+  EXPECT_EQ(newest({"arm", "hand"}, 9), ros::Time(10)) << "both are";
 }
 
 TEST(PlainFrame, DropsTheOldSlash) {

@@ -151,6 +151,39 @@ TEST(ExpectationJudge, ATimeWithoutCyclesIsUnknown) {
             "no cycle in that time");
 }
 
+// Bounds of a time belong to it, and a gap is longer than max_mesh_age_s, although decimals are no
+// doubles.
+TEST(ExpectationJudge, TimesAreThoseThatPeopleWrite) {
+  for (const int step : {1, 2, 3, 7}) {  // tenths of a second
+    std::vector<Expectation> each(50);
+    for (std::size_t i = 0; i < each.size(); ++i) {
+      each[i].touches = Expectation::Touches::kAlways;
+      each[i].link = "hand";
+      each[i].object = "cloth";
+      each[i].from_s = each[i].to_s = static_cast<double>(i * step) / 10;
+    }
+    each.push_back(each[0]);
+    each.back().to_s = 1e9;
+    ExpectationJudge judge(each, step / 10.0);
+    for (std::size_t i = 0; i + 1 < each.size(); ++i) {
+      ContactStates states;
+      states.states.resize(1);
+      const std::size_t tenths = i * step;
+      states.header.stamp = ros::Time(100 + tenths / 10, tenths % 10 * 100000000);
+      states.states[0].stamp = states.header.stamp;
+      states.states[0].body_a = "hand";
+      states.states[0].body_b = "cloth";
+      states.states[0].state = ContactState::CONTACT;
+      states.states[0].pair_count = 1;
+      judge.look(states);
+    }
+    const auto verdicts = judge.verdicts();
+    for (std::size_t i = 0; i < each.size(); ++i) {
+      EXPECT_EQ(verdicts.at(i).failure, "") << each[i].from_s << " s, step " << step;
+    }
+  }
+}
+
 TEST(ExpectationJudge, WithinAToleranceGoesByStates) {
   using Touches = Expectation::Touches;
   constexpr float kTolerance = 0.01F;

@@ -39,7 +39,7 @@ def processes(word):
     found = {}
     for path in glob.glob("/proc/[0-9]*"):
         try:
-            with open(path + "/cmdline") as file:
+            with open(path + "/cmdline", errors="replace") as file:
                 command = file.read()
             with open(path + "/stat") as file:
                 state, parent = file.read().rsplit(")", 1)[1].split()[:2]
