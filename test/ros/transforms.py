@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Sends transforms late or never, and lets the clock jump back. The test publishes the clock."""
+import subprocess
 import sys
 import time
 import unittest
@@ -172,7 +173,42 @@ class TransformTests(unittest.TestCase):
         self.transforms.send(stamp, {**boxes_scene.edges(), **further_edges})
         return self.cycle(stamp, frame="tray")
 
+    def test_two_nodes_put_a_static_frame_at_different_places_until_one_is_killed(self):
+        def put_shelf(name, height_m):
+            """Starts such a node, which the master does not forget when it is killed."""
+            return subprocess.Popen([sys.executable, __file__, "--shelf", name, str(height_m)])
+        def states_on_the_shelf():
+            stamp = self.tick()
+            self.transforms.send(stamp, boxes_scene.edges())
+            contacts, states = self.cycle(stamp, frame="shelf")
+            return set(states.values()), contacts
+        low, high = put_shelf("low_shelf", 0), None
+        try:
+            wait_until(lambda: states_on_the_shelf()[0] == {CONTACT}, "the shelf")
+            high = put_shelf("high_shelf", 1)
+            wait_until(lambda: states_on_the_shelf()[0] == {UNKNOWN}, "the contradiction")
+            self.assertRegex(self.reason(states_on_the_shelf()[1], "cloth"),
+                             "came on /tf_static from /low_shelf and from /high_shelf, which put")
+            high.kill()
+            wait_until(lambda: states_on_the_shelf()[0] == {CONTACT}, "the other one's place")
+        finally:
+            for node in filter(None, (low, high)):
+                node.kill()
+                node.wait()
+
+
+def publish_shelf(name, height_m):
+    """A node that publishes one static frame."""
+    rospy.init_node(name)
+    publisher = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
+    shelf = {"shelf": (REFERENCE_FRAME, ((0, 0, float(height_m)), UPRIGHT))}
+    publisher.publish(transform_message(rospy.Time(), shelf))
+    rospy.spin()
+
 
 if __name__ == "__main__":
+    if sys.argv[1:2] == ["--shelf"]:
+        publish_shelf(*sys.argv[2:])
+        sys.exit()
     rospy.init_node("transforms_test")
     rostest.rosrun(PACKAGE, "transforms", TransformTests, sys.argv)

@@ -271,11 +271,24 @@ class EvaluateBag(EvaluationCase):
         stages = re.findall("<!-- (transform|cluster|assign|sort|sweep|narrow_phase|output) -->", report)
         self.assertEqual(stages, ["transform", "cluster", "assign", "sort", "sweep", "narrow_phase", "output"])
 
-    def test_a_long_line_is_drawn_by_few_points_with_its_extremes_and_gaps(self):
+    def report_module(self):
         script = pathlib.Path(TOOL).with_name("evaluation_report.py")
         spec = importlib.util.spec_from_file_location("evaluation_report", script)
         report = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(report)
+        return report
+
+    def test_no_line_is_drawn_where_a_distance_is_not_known(self):
+        bodies = {"run": "cpu", "body_a": "hand", "body_b": "cloth"}
+        distances = [{**bodies, "stamp": str(stamp), "distance": "0.25"} for stamp in (1, 2, 8, 9)]
+        for state, is_broken in (("UNKNOWN", True), ("NONE", True), ("NEAR", False)):
+            links = [{**bodies, "state": state, "from": "2.5", "to": "8"}]
+            line = self.report_module().distances_of(distances, links, "cpu")["hand", "cloth"]
+            self.assertEqual([stamp for stamp, d in line if math.isnan(d)], [2.5] * is_broken)
+            self.assertEqual(line, sorted(line, key=lambda point: point[0]))
+
+    def test_a_long_line_is_drawn_by_few_points_with_its_extremes_and_gaps(self):
+        report = self.report_module()
         for count in (0, 1, report.MOST_POINTS, 3 * report.MOST_POINTS + 1, 100000):
             line = [(x, math.sin(x / 100)) for x in range(count)]
             if count > report.MOST_POINTS:
