@@ -172,8 +172,7 @@ TEST(WarmDetectorsOnTheCpu, ManySetsOfPairsTakeLittleMemory) {
     if (set == 4) after_few = residentBytes();
   }
   ASSERT_GT(after_few, 0U);
-  [[maybe_unused]] const std::size_t grown =
-      residentBytes() - std::min(residentBytes(), after_few);
+  [[maybe_unused]] const std::size_t grown = residentBytes() - std::min(residentBytes(), after_few);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // these keep what was freed
   EXPECT_LT(grown, scene.triangleCount() * 1000) << "bytes";  // unshared: 20 000 bytes a triangle
 #endif
