@@ -39,37 +39,45 @@ bool contains(XmlRpcValue& names, const std::string& name) {
   return false;
 }
 
-// Returns whether the node publishes on the topic. `state` is what getSystemState() returns: lists
-// of publishers, subscribers and services; each entry is a topic and a list of nodes.
-bool isPublisher(XmlRpcValue& state, const std::string& topic, const std::string& node) {
-  XmlRpcValue& publishers = state[0];
-  for (int i = 0; i < publishers.size(); ++i) {
-    if (static_cast<std::string&>(publishers[i][0]) == topic) {
-      return contains(publishers[i][1], node);
-    }
+enum Role { kPublisher = 0, kSubscriber = 1 };
+
+// Returns whether the node has that role on the topic. `state` is what getSystemState() returns:
+// lists of publishers, subscribers and services; each entry is a topic and a list of nodes.
+bool isListed(XmlRpcValue& state, Role role, const std::string& topic, const std::string& node) {
+  XmlRpcValue& topics = state[role];
+  for (int i = 0; i < topics.size(); ++i) {
+    if (static_cast<std::string&>(topics[i][0]) == topic) return contains(topics[i][1], node);
   }
   return false;
 }
 
-// Returns false only if nobody listens at the node's address. A host that is silent may be back.
-bool mayListen(const std::string& uri) {
+// Returns false only if nobody listens there. A host that is silent may be back.
+bool mayListen(const addrinfo& address) {
   constexpr int kPatienceMs = 300;
-  std::string host;
-  std::uint32_t port = 0;
-  if (!ros::network::splitURI(uri, host, port)) return true;
-  addrinfo* found = nullptr;
-  if (getaddrinfo(host.c_str(), std::to_string(port).c_str(), nullptr, &found) != 0) return true;
-  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> address(found, &freeaddrinfo);
-  const int socket = ::socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  if (socket < 0) return true;
-  int error = connect(socket, address->ai_addr, address->ai_addrlen) == 0 ? 0 : errno;
+  const int socket = ::socket(address.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (socket < 0) return errno != EAFNOSUPPORT;  // a kernel without IPv6
+  int error = connect(socket, address.ai_addr, address.ai_addrlen) == 0 ? 0 : errno;
   pollfd one{socket, POLLOUT, 0};
   if (error == EINPROGRESS && poll(&one, 1, kPatienceMs) == 1) {
     socklen_t size = sizeof error;
     getsockopt(socket, SOL_SOCKET, SO_ERROR, &error, &size);
   }
   close(socket);
-  return error != ECONNREFUSED;
+  return error != ECONNREFUSED && error != EADDRNOTAVAIL;
+}
+
+// The same of all addresses of a node's host.
+bool mayListen(const std::string& uri) {
+  std::string host;
+  std::uint32_t port = 0;
+  if (!ros::network::splitURI(uri, host, port)) return true;
+  addrinfo* found = nullptr;
+  if (getaddrinfo(host.c_str(), std::to_string(port).c_str(), nullptr, &found) != 0) return true;
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> addresses(found, &freeaddrinfo);
+  for (; found != nullptr; found = found->ai_next) {
+    if (found->ai_socktype == SOCK_STREAM && mayListen(*found)) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -85,8 +93,9 @@ std::map<std::string, std::string> publishedTypes() {
 
 bool mayPublish(const std::string& node, const std::string& topic) {
   std::optional<XmlRpcValue> state = ask("getSystemState");
-  if (!state) return true;
-  if (!isPublisher(*state, topic, node)) return false;
+  // A master that was started anew knows nobody yet.
+  if (!state || !isListed(*state, kSubscriber, topic, ros::this_node::getName())) return true;
+  if (!isListed(*state, kPublisher, topic, node)) return false;
   std::optional<XmlRpcValue> uri = ask("lookupNode", node);
   return !uri || mayListen(static_cast<std::string&>(*uri));
 }
@@ -95,7 +104,7 @@ bool MasterWatch::isUnregistered() {
   constexpr int kSure = 2;  // one answer may come while the node registers
   std::optional<XmlRpcValue> state = ask("getSystemState");
   if (!state) return false;
-  if (isPublisher(*state, topic_, ros::this_node::getName())) {
+  if (isListed(*state, kPublisher, topic_, ros::this_node::getName())) {
     was_known_ = true;
     unknown_in_a_row_ = 0;
     return false;

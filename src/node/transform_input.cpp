@@ -5,6 +5,8 @@
 
 #include <chrono>
 #include <exception>
+#include <set>
+#include <string>
 
 #include "monitor/input/usable_stamp.h"
 #include "monitor/time_difference.h"
@@ -46,9 +48,11 @@ std::string TransformInput::describePublishers() const {
 
 void TransformInput::dropStaticsOfThoseGone() {
   const std::string topic = subscribers_.back().getTopic();
+  std::set<std::string> gone;
   for (const std::string& node : buffer_.staticRivals()) {
-    if (!mayPublish(node, topic)) buffer_.dropStatic(node);
+    if (!mayPublish(node, topic)) gone.insert(node);
   }
+  buffer_.dropStatics(gone);
 }
 
 // A transform that tf2 rejects does not affect the others of its message.

@@ -264,15 +264,19 @@ void DetectionLoop::lookAtRobotsTime() {
 
 // Returns the stamp of the robot's next cycle: the newest at which the links' transforms are known,
 // or the present if these are too old, so that the cycle says which are, or ahead of the clock, as
-// readers take no such state for known. Frames wait for one that has stopped, but not until the
-// states of the others are too old. Nothing: a cycle of that stamp is done.
+// readers take no such state for known. Frames wait for one that has stopped, but go on without it
+// one look before the states of that stamp are too old. Nothing: a cycle of that stamp is done.
 std::optional<ros::Time> DetectionLoop::nextRobotsStamp() {
-  constexpr double kShareOfAge = 0.8;
+  constexpr double kLooks = 1.5;
   const std::vector<std::string> frames = scene_.framesOfRobotCycle();
   if (frames.empty()) return std::nullopt;
   const ros::Time now = clock_.rosTime();
   const double max_age_s = parameters_.max_mesh_age_s;
-  const auto newest = lookup_.newestCommon(frames, kShareOfAge * max_age_s, now);
+  const double patience_s = std::max(max_age_s - kLooks / live_.robot_rate_hz, max_age_s / 2);
+  auto newest = lookup_.newestCommon(frames, max_age_s, now);
+  if (newest && *newest <= robots_stamp_ && secondsBetween(now, *newest) > patience_s) {
+    newest = lookup_.newestCommon(frames, max_age_s, now, *newest);
+  }
   if (!newest || newest->isZero()) return now.isZero() ? std::nullopt : std::optional(now);
   const double age_s = now.isZero() ? 0 : secondsBetween(now, *newest);
   if (age_s > max_age_s || age_s < -kClockToleranceS) return now;

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <sstream>
+#include <tuple>
 #include <utility>
 
 #include "monitor/input/transform_lookup.h"
@@ -17,15 +19,19 @@ bool isWellFormed(const geometry_msgs::TransformStamped& transform) {
   return tf2::BufferCore().setTransform(transform, "", true);
 }
 
-// Returns whether both put the frame at the same place, but for the digits of a parameter file.
-bool areSame(const geometry_msgs::TransformStamped& a, const geometry_msgs::TransformStamped& b) {
-  constexpr double kTolerance = 1e-6;  // [m], and of the rotations' matrices
+// Returns whether both put the frame at the same place, but for such a difference [m], also of the
+// rotations' matrices.
+bool areSame(const geometry_msgs::TransformStamped& a, const geometry_msgs::TransformStamped& b,
+             double tolerance) {
   if (plainFrame(a.header.frame_id) != plainFrame(b.header.frame_id)) return false;
   const RigidTransform one = toRigidTransform(a.transform), other = toRigidTransform(b.transform);
-  const auto are_close = [](double x, double y) { return std::abs(x - y) <= kTolerance; };
+  const auto are_close = [&](double x, double y) { return std::abs(x - y) <= tolerance; };
   return std::equal(one.rotation, one.rotation + 9, other.rotation, are_close) &&
          std::equal(one.translation, one.translation + 3, other.translation, are_close);
 }
+
+// Digits of a parameter file: tf2 keeps one topic. Of several nodes on one topic, 1.571 is pi / 2.
+constexpr double kDigits = 1e-6, kFewDigits = 1e-3;
 
 }  // namespace
 
@@ -65,7 +71,10 @@ bool TransformBuffer::add(const geometry_msgs::TransformStamped& transform,
 // says the same.
 bool TransformBuffer::contest(const geometry_msgs::TransformStamped& transform,
                               const std::string& publisher, Child* child) {
-  if (child->is_static && areSame(child->newest, transform)) return true;
+  const auto says_so = [&](const auto& of) { return areSame(of.second, transform, kDigits); };
+  if (child->is_static && std::any_of(child->statics.begin(), child->statics.end(), says_so)) {
+    return true;
+  }
   if (!isWellFormed(transform)) return false;
   const char* const first = child->is_static ? "/tf_static" : "/tf";
   const char* const second = child->is_static ? "/tf" : "/tf_static";
@@ -81,7 +90,8 @@ bool TransformBuffer::contest(const geometry_msgs::TransformStamped& transform,
 
 // Notes from which stamp on the two topics put the frame at different places.
 void TransformBuffer::compareTopics(Child* child) {
-  if (child->contest.empty() || areSame(child->newest, child->contestant)) return;
+  if (child->contest.empty() || !child->static_problem.empty()) return;
+  if (areSame(child->newest, child->contestant, kDigits)) return;
   const auto& moving = child->is_static ? child->contestant : child->newest;
   const ros::Time from = std::min(moving.header.stamp, ros_now_());
   child->differ_from = std::min(child->differ_from.value_or(from), from);
@@ -91,7 +101,7 @@ void TransformBuffer::compareTopics(Child* child) {
 void TransformBuffer::compareStatics(Child* child) {
   child->static_problem.clear();
   for (const auto& [publisher, transform] : child->statics) {
-    if (areSame(transform, child->newest)) continue;
+    if (areSame(transform, child->newest, kFewDigits)) continue;
     child->static_problem = "TF frame '" + plainFrame(transform.child_frame_id) + "' came on " +
                             "/tf_static from " + publisher + " and from " + child->publisher +
                             ", which put it at different places: let one of them publish it";
@@ -109,15 +119,18 @@ std::set<std::string> TransformBuffer::staticRivals() const {
   return names;
 }
 
-// If tf2 has that of the node, it gets that of another one.
-void TransformBuffer::dropStatic(const std::string& publisher) {
+// If tf2 has the place of one of them, it gets that of another node.
+void TransformBuffer::dropStatics(const std::set<std::string>& publishers) {
   const std::lock_guard<std::mutex> lock(mutex_);
   for (auto& [frame, child] : children_) {
-    if (child.static_problem.empty() || child.statics.size() < 2) continue;
-    child.statics.erase(publisher);
-    if (child.publisher == publisher) {
-      child.publisher = child.statics.begin()->first;
-      child.newest = child.statics.begin()->second;
+    if (child.static_problem.empty()) continue;
+    auto& statics = child.statics;
+    for (auto of = statics.begin(); of != statics.end();) {
+      of = publishers.count(of->first) > 0 ? statics.erase(of) : std::next(of);
+    }
+    if (statics.empty()) statics[child.publisher] = child.newest;
+    if (statics.count(child.publisher) == 0) {
+      std::tie(child.publisher, child.newest) = *statics.begin();
       setTransform(child.newest, child.publisher, true);
     }
     compareStatics(&child);

@@ -53,11 +53,12 @@ class TransformBuffer : public tf2::BufferCore {
   void forget(SteadyTime steady_now);
 
   // Returns the nodes that put a frame at different places on /tf_static. A node that is gone has
-  // no say any more, and the buffer cannot know that: dropStatic() tells it.
+  // no say any more, and the buffer cannot know that: dropStatics() tells it.
   std::set<std::string> staticRivals() const;
 
-  // Forgets the static transforms of a node that contradict those of another one.
-  void dropStatic(const std::string& publisher);
+  // Forgets where these nodes put frames that have several places. Of a frame that no other node
+  // publishes, the place that came last remains.
+  void dropStatics(const std::set<std::string>& publishers);
 
   // Returns why the pose of `frame` in `reference` at that stamp is not known, although tf2 may
   // give one: a frame between the two has a gap then, is on both topics, or has two publishers that

@@ -106,8 +106,8 @@ void TransformLookup::noteReset() {
 }
 
 std::optional<ros::Time> TransformLookup::newestCommon(const std::vector<std::string>& frames,
-                                                       double window_s,
-                                                       const ros::Time& now) const {
+                                                       double window_s, const ros::Time& now,
+                                                       const ros::Time& after) const {
   std::vector<ros::Time> stamps;
   bool any = false;
   for (const std::string& frame : frames) {
@@ -124,8 +124,8 @@ std::optional<ros::Time> TransformLookup::newestCommon(const std::vector<std::st
   // The oldest stamp within the window: all frames that count have a pose at it.
   std::sort(stamps.begin(), stamps.end());
   const ros::Time end = now.isZero() ? stamps.back() : std::min(stamps.back(), now);
-  return *std::find_if(stamps.begin(), stamps.end(), [&](const ros::Time& stamp) {
-    return secondsBetween(end, stamp) <= window_s;
+  return *std::find_if(stamps.begin(), stamps.end() - 1, [&](const ros::Time& stamp) {
+    return secondsBetween(end, stamp) <= window_s && stamp > after;
   });
 }
 
@@ -170,11 +170,12 @@ std::string TransformLookup::problemOf(const FrameAtStamp& question) const {
 
 PoseAnswer TransformLookup::find(const FrameAtStamp& question) const {
   PoseAnswer answer;
+  const std::string before = problemOf(question);  // which may be over once the pose is found
   try {
     const geometry_msgs::TransformStamped found =
         buffer_.lookupTransform(reference_frame_, question.frame, question.stamp);
-    // Only now: what spoils this pose may have come with its transform.
-    answer.problem = problemOf(question);
+    // What spoils this pose may have come with its transform.
+    answer.problem = before.empty() ? problemOf(question) : before;
     answer.outcome =
         answer.problem.empty() ? PoseAnswer::Outcome::kFound : PoseAnswer::Outcome::kPast;
     if (answer.problem.empty()) answer.pose = toRigidTransform(found.transform);

@@ -71,10 +71,12 @@ class TransformLookup {
 
   // Returns the newest stamp at which all of these frames have a pose. Frames without any pose are
   // left out, and so are those whose newest pose is more than `window_s` [s] behind that of the
-  // others, or behind `now` if theirs are stamped ahead of it; zero: there is no clock. Returns
-  // zero if all frames are static, and nothing if no frame has a pose.
+  // others, or behind `now` if theirs are stamped ahead of it; zero: there is no clock. Those whose
+  // newest pose is not later than `after` are left out, too, if any is later. Returns zero if all
+  // frames are static, and nothing if no frame has a pose.
   std::optional<ros::Time> newestCommon(const std::vector<std::string>& frames, double window_s,
-                                        const ros::Time& now) const;
+                                        const ros::Time& now,
+                                        const ros::Time& after = ros::Time()) const;
 
  private:
   PoseAnswer ask(const FrameAtStamp& question) const;

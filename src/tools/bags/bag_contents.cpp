@@ -28,16 +28,16 @@ void addChange(const ros::Time& received, T value, const Same& same, History<T>*
 
 // Adds a static transform, unless tf2 would refuse it. Its stamp has no meaning.
 void addStatic(const ros::Time& received, const geometry_msgs::TransformStamped& transform,
-               BagContents* contents) {
+               const std::string& publisher, BagContents* contents) {
   if (!isValid(transform)) {
     ++contents->refused_transforms;
     return;
   }
-  using Transform = geometry_msgs::TransformStamped;
-  const auto same = [](const Transform& a, const Transform& b) {
-    return a.header.frame_id == b.header.frame_id && a.transform == b.transform;
+  const auto same = [](const StaticTransform& a, const StaticTransform& b) {
+    return a.transform.header.frame_id == b.transform.header.frame_id &&
+           a.transform.transform == b.transform.transform;
   };
-  addChange(received, transform, same,
+  addChange(received, StaticTransform{transform, publisher}, same,
             &contents->static_transforms[plainFrame(transform.child_frame_id)]);
 }
 
@@ -79,7 +79,7 @@ void lookAtTransforms(const BagMessage& message, Scan* scan, BagContents* conten
     const std::string frame = plainFrame(transform.child_frame_id);
     contents->parents[frame] = plainFrame(transform.header.frame_id);
     if (isStatic(message.topic) && contents->moving.count(frame) == 0) {
-      addStatic(message.received, transform, contents);
+      addStatic(message.received, transform, message.publisher, contents);
     } else if (contents->static_transforms.count(frame) == 0) {
       ++contents->moving_transforms;
       contents->transforms_far_ahead += !isUsableStamp(transform.header.stamp, message.received);
@@ -272,7 +272,7 @@ void BagContents::addJointTransforms(const History<std::string>& urdfs,
   for (const Recorded<std::string>& urdf : urdfs) {
     const auto made = std::make_shared<const JointTransforms>(urdf.value, frame_prefix, is_missing);
     for (const geometry_msgs::TransformStamped& transform : made->fixed()) {
-      addStatic(urdf.received, transform, this);
+      addStatic(urdf.received, transform, "", this);
       parents[transform.child_frame_id] = transform.header.frame_id;
     }
     for (const JointTransforms::Moving& of : made->moving()) {

@@ -37,6 +37,11 @@ struct Recorded {
 template <typename T>
 using History = std::vector<Recorded<T>>;
 
+struct StaticTransform {
+  geometry_msgs::TransformStamped transform;
+  std::string publisher;
+};
+
 // Returns the index of the value that a listener had at that time; 0 if there was none yet.
 template <typename T>
 std::size_t indexAt(const History<T>& history, const ros::Time& received) {
@@ -87,7 +92,7 @@ struct BagContents {
   TimeJumps jumps;  // where the clock went back
   // The static transforms of each frame whose first transform is static, without repetitions. As in
   // tf2, such a frame stays static, whatever comes on /tf later.
-  std::map<std::string, History<geometry_msgs::TransformStamped>> static_transforms;
+  std::map<std::string, History<StaticTransform>> static_transforms;
   std::uint64_t refused_transforms = 0;        // static ones that tf2 does not accept
   std::map<std::string, Span> moving;          // the other frames
   std::map<std::string, std::string> parents;  // the latest parent of each frame

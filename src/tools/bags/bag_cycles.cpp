@@ -65,7 +65,7 @@ BagCycles::BagCycles(const MonitorParameters& parameters, const BagContents& con
   }
   if (parameters.pair_classes.needRobot()) scene_.setRobot(robots.front().value);
   for (const auto& [frame, transforms] : contents.static_transforms) {
-    addTransform(transforms.front().value, "", true);
+    addTransform(transforms.front().value.transform, transforms.front().value.publisher, true);
     if (transforms.size() > 1) changing_frames_.push_back({&transforms, 0});
     for (std::size_t i = 1; i < transforms.size(); ++i) changes_.insert(transforms[i].received);
   }
@@ -333,14 +333,17 @@ bool BagCycles::knowsSame(const ros::Time& a, const ros::Time& b) const {
                       }));
 }
 
-// Sets the static transforms that had been recorded by then. Cycles run in the order of stamps, so
-// an earlier value may come back.
+// Sets the static transforms that had been recorded by then, each in its turn, because nodes may
+// contradict each other. Cycles run in the order of stamps, so an earlier value may come back.
 void BagCycles::recallTransforms(const ros::Time& due) {
   for (ChangingFrame& frame : changing_frames_) {
     const std::size_t index = indexAt(*frame.transforms, due);
     if (index == frame.current) continue;
-    frame.current = index;
-    addTransform((*frame.transforms)[index].value, "", true);
+    std::size_t next = std::min(frame.current + 1, index);
+    for (frame.current = index; next <= index; ++next) {
+      const StaticTransform& one = (*frame.transforms)[next].value;
+      addTransform(one.transform, one.publisher, true);
+    }
   }
 }
 

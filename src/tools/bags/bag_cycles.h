@@ -100,7 +100,7 @@ class BagCycles {
   };
   // A frame whose static transform changes.
   struct ChangingFrame {
-    const History<geometry_msgs::TransformStamped>* transforms = nullptr;
+    const History<StaticTransform>* transforms = nullptr;
     std::size_t current = 0;  // which of them is in the buffer
   };
 

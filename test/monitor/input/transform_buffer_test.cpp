@@ -97,20 +97,47 @@ TEST_F(TransformBufferTest, WhoPutsAStaticFrameElsewhereThanAnotherIsNamed) {
   EXPECT_EQ(outcome("other", 1), Outcome::kFound);
   const std::set<std::string> all{"/calibration", "/copy", "/urdf"};
   EXPECT_EQ(buffer_.staticRivals(), all);
-  buffer_.dropStatic("/urdf");
+  buffer_.dropStatics({"/urdf"});
   EXPECT_EQ(outcome("mount", 1), Outcome::kPast) << "the copy is still there";
-  buffer_.dropStatic("/copy");
+  buffer_.dropStatics({"/copy"});
   EXPECT_EQ(outcome("camera", 1), Outcome::kFound);
   EXPECT_EQ(ask("mount", 1).pose.translation[0], 2);
-  buffer_.dropStatic("/calibration");
+  buffer_.dropStatics({"/calibration"});
   EXPECT_EQ(ask("mount", 1).pose.translation[0], 2) << "nobody contradicts it";
 
   addStatic("mount", 3, "/late");
   EXPECT_EQ(outcome("mount", 1), Outcome::kPast);
-  buffer_.dropStatic("/late");
+  buffer_.dropStatics({"/late"});
   EXPECT_EQ(ask("mount", 1).pose.translation[0], 2) << "that of the one that is left";
   addStatic("mount", 4, "/calibration");
   EXPECT_EQ(ask("mount", 1).pose.translation[0], 4) << "it may change its own";
+  addStatic("mount", 5, "/zero_was_late");
+  buffer_.dropStatics({"/calibration", "/zero_was_late"});
+  EXPECT_EQ(ask("mount", 1).pose.translation[0], 5) << "both are gone, and this was the last";
+  addStatic("mount", 5.0005, "/rounded");
+  EXPECT_EQ(outcome("mount", 1), Outcome::kFound);
+}
+
+// The frame is on /tf, too, where it stays.
+TEST_F(TransformBufferTest, AStaticRivalThatIsGoneLeavesNothingBehind) {
+  const auto addStatic = [this](double x_m, const std::string& publisher) {
+    geometry_msgs::TransformStamped t;
+    t.header.frame_id = "base";
+    t.child_frame_id = "arm";
+    t.transform.translation.x = x_m;
+    t.transform.rotation.w = 1;
+    buffer_.add(t, publisher, true, SteadyTime());
+  };
+  addStatic(1, "/urdf");
+  EXPECT_TRUE(add("base", "arm", 1, 1));
+  addStatic(2, "/rival");
+  EXPECT_TRUE(add("base", "arm", 1.25, 1));
+  EXPECT_EQ(outcome("arm", 1.25), Outcome::kPast);
+  buffer_.dropStatics({"/rival"});
+  EXPECT_TRUE(add("base", "arm", 1.5, 1));
+  EXPECT_EQ(outcome("arm", 1.5), Outcome::kFound);
+  EXPECT_FALSE(add("base", "arm", 2, 2)) << "it moves";
+  EXPECT_EQ(outcome("arm", 2), Outcome::kPast);
 }
 
 TEST_F(TransformBufferTest, AMalformedTransformChangesNothing) {

@@ -215,6 +215,12 @@ TEST_F(TransformLookupTest, TheNewestCommonStampIsThatOfTheSlowestThatMoves) {
   EXPECT_EQ(newest({"arm", "hand"}, 10.5), ros::Time(10)) << "the hand is ahead";
   EXPECT_EQ(newest({"arm", "hand"}, 10.625), ros::Time(10.75)) << "the arm has stopped";
   EXPECT_EQ(newest({"arm", "hand"}, 9), ros::Time(10)) << "both are";
+  const auto later = [this](double after_s) {
+    return lookup_.newestCommon({"arm", "hand"}, 5, ros::Time(11), ros::Time(after_s));
+  };
+  EXPECT_EQ(later(9), ros::Time(10));
+  EXPECT_EQ(later(10), ros::Time(10.75));
+  EXPECT_EQ(later(10.75), ros::Time(10.75)) << "none is later";
 }
 
 TEST(PlainFrame, DropsTheOldSlash) {

@@ -260,6 +260,22 @@ TEST(RecordedTime, AFrameThatIsOnBothTopicsIsNotKnown) {
   EXPECT_EQ(statesOf(&same, urdf("prismatic", 0.1)), "----CCCCC");
 }
 
+// Nobody knows whether the first one was still there.
+TEST(RecordedTime, AStaticFrameThatTwoNodesPutElsewhereIsNotKnown) {
+  for (const std::string second : {"/urdf", "/calibration"}) {
+    WrittenBag bag;
+    bag.camera(0, 0, "/urdf");
+    bag.meshes(1, 2);
+    bag.camera(kPeriod * 2.5, 0, "/copy");
+    bag.meshes(3, 2);
+    bag.camera(kPeriod * 4.5, 1, second);
+    bag.camera(kPeriod * 4.6, 0, "/urdf");  // before the next mesh
+    bag.meshes(5, 2);
+    EXPECT_EQ(statesOf(&bag, urdf("prismatic", 0.1)), second == "/urdf" ? "CCCCCC" : "CCCC??")
+        << second;
+  }
+}
+
 // The second episode ends before its first mesh, so that no mesh tells of it. It may begin as the
 // first one did. Of two recordings that were merged, the second one has the same transforms, or
 // those of another frame, and each may lack some.

@@ -31,7 +31,8 @@ WrittenBag::WrittenBag() {
 WrittenBag::~WrittenBag() { std::remove(path_); }
 
 void WrittenBag::transform(const std::string& topic, const ros::Time& received,
-                           const ros::Time& stamp, const std::string& frame, double z) {
+                           const ros::Time& stamp, const std::string& frame, double z,
+                           const std::string& publisher) {
   tf2_msgs::TFMessage message;
   message.transforms.resize(1);
   geometry_msgs::TransformStamped& transform = message.transforms[0];
@@ -40,7 +41,14 @@ void WrittenBag::transform(const std::string& topic, const ros::Time& received,
   transform.child_frame_id = frame;
   transform.transform.translation.z = z;
   transform.transform.rotation.w = 1;
-  add(topic, received, message);
+  if (publisher.empty()) return add(topic, received, message);
+  namespace traits = ros::message_traits;
+  bag_.write(topic, received, message,
+             boost::make_shared<ros::M_string>(
+                 ros::M_string{{"callerid", publisher},
+                               {"type", traits::datatype(message)},
+                               {"md5sum", traits::md5sum(message)},
+                               {"message_definition", traits::definition(message)}}));
 }
 
 void WrittenBag::mesh(const ros::Time& received, const ros::Time& stamp,

@@ -37,8 +37,10 @@ class WrittenBag {
   }
   // Adds a transform that moves by z [m]. Of a static one the stamp has no meaning.
   void transform(const std::string& topic, const ros::Time& received, const ros::Time& stamp,
-                 const std::string& frame, double z);
-  void camera(double s, double z) { transform("/tf_static", at(s), at(s), "camera", z); }
+                 const std::string& frame, double z, const std::string& publisher = "");
+  void camera(double s, double z, const std::string& publisher = "") {
+    transform("/tf_static", at(s), at(s), "camera", z, publisher);
+  }
   // The finger at the origin.
   void finger(double s) { transform("/tf", at(s), at(s), "finger", 0); }
   void mesh(const ros::Time& received, const ros::Time& stamp, const std::string& object);
