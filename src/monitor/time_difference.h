@@ -15,8 +15,8 @@ inline std::int64_t nanosecondsBetween(const ros::Time& a, const ros::Time& b) {
   return static_cast<std::int64_t>(a.toNSec()) - static_cast<std::int64_t>(b.toNSec());
 }
 
-// Returns a - b [s], rounded once: 600 000 000 ns are the double 0.6, which they are not times
-// 1e-9.
+// Returns a - b [s]. The division rounds once, so 600 000 000 ns give the double 0.6. Times 1e-9
+// they do not.
 inline double secondsBetween(const ros::Time& a, const ros::Time& b) {
   return static_cast<double>(nanosecondsBetween(a, b)) / 1e9;
 }

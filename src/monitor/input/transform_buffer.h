@@ -30,9 +30,8 @@ namespace deformable_contact_monitor {
 //   put it at different places, tf2 keeps to the topic that was first, in each node another one. If
 //   that is /tf_static, it gives the newest transform for any stamp, also when the publisher is
 //   gone.
-// - Two nodes publish a frame on /tf, at different places (RivalTransforms), or on /tf_static,
-// where
-//   tf2 keeps the place that came last. Which one that is differs from node to node.
+// - Two nodes publish a frame at different places, on /tf (RivalTransforms) or on /tf_static. Of
+//   static ones tf2 keeps the place that came last, which is another one in each node.
 // Any thread may call any function. What is put in by setTransform() is tf2's alone.
 class TransformBuffer : public tf2::BufferCore {
  public:
