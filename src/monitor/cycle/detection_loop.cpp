@@ -265,7 +265,7 @@ void DetectionLoop::lookAtRobotsTime() {
 // Returns the stamp of the robot's next cycle: the newest at which the links' transforms are known,
 // or the present if these are too old, so that the cycle says which are, or ahead of the clock, as
 // readers take no such state for known. Frames wait for one that has stopped, but go on without it
-// one look before the states of that stamp are too old. Nothing: a cycle of that stamp is done.
+// just before the states of that stamp are too old. Nothing: a cycle of that stamp is done.
 std::optional<ros::Time> DetectionLoop::nextRobotsStamp() {
   constexpr double kLooks = 1.5;
   const std::vector<std::string> frames = scene_.framesOfRobotCycle();

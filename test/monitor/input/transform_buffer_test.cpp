@@ -23,7 +23,8 @@ class TransformBufferTest : public ::testing::Test {
  protected:
   // Adds the transform of `frame`, which comes at its stamp unless the clock is ahead.
   bool add(const std::string& parent, const std::string& frame, double stamp_s, double x_m,
-           bool is_static = false, const std::string& publisher = "/moving") {
+           bool is_static = false, std::string publisher = "") {
+    if (publisher.empty()) publisher = is_static ? "/fixed" : "/moving";
     geometry_msgs::TransformStamped t;
     t.header.frame_id = parent;
     t.header.stamp = ros::Time(stamp_s);
@@ -31,7 +32,10 @@ class TransformBufferTest : public ::testing::Test {
     t.transform.translation.x = x_m;
     t.transform.rotation.w = 1;
     if (!is_static && !is_clock_held_) now_ = std::max(now_, t.header.stamp);
-    return buffer_.add(t, is_static ? "/fixed" : publisher, is_static, SteadyTime());
+    return buffer_.add(t, publisher, is_static, SteadyTime());
+  }
+  void addStatic(const std::string& frame, double x_m, const std::string& publisher) {
+    EXPECT_TRUE(add("base", frame, 0, x_m, true, publisher));
   }
 
   PoseAnswer ask(const std::string& frame, double stamp_s) const {
@@ -71,15 +75,6 @@ TEST_F(TransformBufferTest, AFrameThatWasStaticAndMovesIsNotKnown) {
 
 // Which of them tf2 has would be chance.
 TEST_F(TransformBufferTest, WhoPutsAStaticFrameElsewhereThanAnotherIsNamed) {
-  const auto addStatic = [this](const std::string& frame, double x_m,
-                                const std::string& publisher) {
-    geometry_msgs::TransformStamped t;
-    t.header.frame_id = "base";
-    t.child_frame_id = frame;
-    t.transform.translation.x = x_m;
-    t.transform.rotation.w = 1;
-    EXPECT_TRUE(buffer_.add(t, publisher, true, SteadyTime()));
-  };
   addStatic("mount", 1, "/urdf");
   addStatic("mount", 1, "/copy");
   addStatic("mount", 1, "/urdf");
@@ -120,17 +115,9 @@ TEST_F(TransformBufferTest, WhoPutsAStaticFrameElsewhereThanAnotherIsNamed) {
 
 // The frame is on /tf, too, where it stays.
 TEST_F(TransformBufferTest, AStaticRivalThatIsGoneLeavesNothingBehind) {
-  const auto addStatic = [this](double x_m, const std::string& publisher) {
-    geometry_msgs::TransformStamped t;
-    t.header.frame_id = "base";
-    t.child_frame_id = "arm";
-    t.transform.translation.x = x_m;
-    t.transform.rotation.w = 1;
-    buffer_.add(t, publisher, true, SteadyTime());
-  };
-  addStatic(1, "/urdf");
+  addStatic("arm", 1, "/urdf");
   EXPECT_TRUE(add("base", "arm", 1, 1));
-  addStatic(2, "/rival");
+  addStatic("arm", 2, "/rival");
   EXPECT_TRUE(add("base", "arm", 1.25, 1));
   EXPECT_EQ(outcome("arm", 1.25), Outcome::kPast);
   buffer_.dropStatics({"/rival"});
