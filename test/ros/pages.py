@@ -14,6 +14,7 @@ import unittest
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 PAGES = SOURCE / "config" / "docs"
 WAIT_S = 400  # of wall time; far longer than anything takes, also on a busy machine
+RELUCTANT_S = 30  # the same, for a program that was told to end
 FENCE = re.compile(r"```(\w+)\n(.*?)```", re.S)
 USUAL_NAMES = {"python": "publisher.py", "yaml": "monitor.yaml"}  # config/docs/mesh_from/README.md
 
@@ -76,6 +77,15 @@ class Terminal:
             return
         if self._process.poll() is None:
             os.killpg(self._process.pid, signal.SIGINT)
+        # rospy's handler of SIGINT closes the connections, and takes their locks for it. If SIGINT
+        # comes while the main thread publishes, it waits for a lock that it holds (QueuedConnection
+        # in tcpros_pubsub.py), for ever.
+        if "python3" in self.line:
+            try:
+                self._process.wait(RELUCTANT_S)
+            except subprocess.TimeoutExpired:
+                print("rospy hangs, and is killed")
+                os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait(WAIT_S)
         print(f"$ {self.line}\n{self.text()}")  # ctest shows it if the test fails
         self._log.close()
