@@ -164,6 +164,9 @@ struct CycleReport {
   std::vector<BodyStatus> bodies;
   std::vector<MonitoredPair> pairs;       // of bodies
   std::vector<MonitoredPair> part_pairs;  // of a named part of one body with the other body
+  // The pieces of bodies that rules leave out of pairs that are not `allowed`, in the order of
+  // `pairs`; null: none. Another list where anything about it may have changed.
+  std::shared_ptr<const std::vector<PartPair>> allowed_parts;
   AttachedObjects attached;
   // The bodies as the detector saw them, and what it found at the stamp. Both are null if no
   // detection ran or if it failed; then every pair of the cycle is UNKNOWN.

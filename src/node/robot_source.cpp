@@ -6,6 +6,7 @@
 #include <ros/param.h>
 
 #include <algorithm>
+#include <cstring>
 #include <stdexcept>
 #include <utility>
 
@@ -16,15 +17,20 @@
 namespace deformable_contact_monitor {
 namespace {
 
+// Compares bytes, so that a vertex that is not a number equals itself.
+bool same(const TriangleMesh& a, const TriangleMesh& b) {
+  return a.vertices.size() == b.vertices.size() && a.triangles == b.triangles &&
+         (a.vertices.empty() || std::memcmp(a.vertices.data(), b.vertices.data(),
+                                            a.vertices.size() * sizeof(float)) == 0);
+}
+
 // Compares all that detection depends on. A robot that is sent again must not start a new scene.
 bool same(const RobotGeometry& a, const RobotGeometry& b) {
   return a.robots == b.robots && a.unmonitored_links == b.unmonitored_links &&
          a.joints == b.joints &&
          std::equal(a.links.begin(), a.links.end(), b.links.begin(), b.links.end(),
                     [](const LinkGeometry& l, const LinkGeometry& m) {
-                      return l.link == m.link && l.problem == m.problem &&
-                             l.mesh.vertices == m.mesh.vertices &&
-                             l.mesh.triangles == m.mesh.triangles;
+                      return l.link == m.link && l.problem == m.problem && same(l.mesh, m.mesh);
                     });
 }
 
@@ -154,7 +160,7 @@ RobotGeometry RobotSource::loadFromDescriptions(const std::vector<Srdf>& srdfs) 
   return robot;
 }
 
-// Applies ~links and ~ignored_links to the links that were sent. A bad message changes nothing.
+// Applies ~links and ~ignored_links to the links that were sent.
 void RobotSource::receive(const LinkMeshes::ConstPtr& message) {
   try {
     RobotGeometry sent = fromLinkMeshes(*message);
@@ -165,11 +171,29 @@ void RobotSource::receive(const LinkMeshes::ConstPtr& message) {
     checkRobot(robot, parameters_);
     if (use(std::move(robot))) changed_();
   } catch (const std::exception& error) {
-    ROS_ERROR_STREAM("the link meshes are rejected, and the robot stays as it was: "
-                     << error.what() << "; see config/docs/console.md#the-robot");
-    const std::lock_guard<std::mutex> lock(mutex_);
-    problem_ = error.what();
+    ROS_ERROR_STREAM(
+        "the link meshes are rejected, and no shape of a link is known until the next "
+        "ones: "
+        << error.what() << "; see config/docs/console.md#the-robot");
+    hideLinks(error.what());
   }
+}
+
+// The sender knows of other meshes than those that are in use, so these may be wrong.
+void RobotSource::hideLinks(const std::string& problem) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    problem_ = problem;
+    if (robot_ == nullptr) return;
+    RobotGeometry hidden = *robot_;
+    for (LinkGeometry& link : hidden.links) {
+      link.problem = "the newest link meshes are rejected: " + problem;
+      link.mesh = TriangleMesh();
+    }
+    if (same(*robot_, hidden)) return;
+    robot_ = std::make_shared<const RobotGeometry>(std::move(hidden));
+  }
+  changed_();
 }
 
 // Logs before taking the lock, because logging may block and newest() must not wait for it.

@@ -66,6 +66,8 @@ class RobotSource {
   void loadFirstSrdfs();
   // Takes a robot from the topic.
   void receive(const LinkMeshes::ConstPtr& message);
+  // Keeps the links of the newest robot, without their shapes, because of a problem.
+  void hideLinks(const std::string& problem);
   // Keeps the robot unless it equals the newest one. Returns whether the robot is new. Either way,
   // the problem of an earlier robot is forgotten.
   bool use(RobotGeometry robot);

@@ -123,6 +123,32 @@ class LinkMeshesTopic(unittest.TestCase):
         self.assertEqual([text.split(":")[0] for text in contacts.skipped], ["panda_hand"])
         self.assertEqual(pairs_of(contacts), self.scene.expected(stamp, 7, good))
 
+        # A link is sent twice: nobody knows which shape is right, nor what else is wrong.
+        count = self.robot_log.count()
+        twice = self.message_of(good)
+        twice.meshes.append(twice.meshes[0])
+        self.publisher.publish(twice)
+        console.wait("the error", lambda m: "was sent twice in one message" in m.msg)
+        self.wait_for_robot(since=count)
+        _, _, states = self.cycle()
+        self.assertEqual({states[link, "tshirt"] for link in good}, {ContactState.UNKNOWN})
+        count = self.robot_log.count()
+        self.send(good)
+        self.wait_for_robot(since=count)
+        stamp, contacts, _ = self.cycle()
+        self.assertEqual(pairs_of(contacts), self.scene.expected(stamp, 7, good))
+
+        # What is not a number is the same robot when it comes again.
+        vertices, triangles = good["panda_link7"]
+        good["panda_link7"] = (np.full_like(vertices, np.nan), triangles)
+        count = self.robot_log.count()
+        self.send(good)
+        self.wait_for_robot(since=count)
+        self.send(good)
+        for _ in range(2):
+            self.cycle()
+        self.assertEqual(self.robot_log.count(), count + 1, "the same robot was published again")
+
     def ends(self):
         return sum(event.type == ContactEvent.END for event in list(self.monitor.events.messages))
 

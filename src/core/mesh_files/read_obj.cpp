@@ -3,6 +3,7 @@
 // and are skipped.
 #include <algorithm>
 #include <charconv>
+#include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -42,6 +43,11 @@ class ObjReader {
         readFace();
       } else if (groups_ != nullptr && (statement == "g" || statement == "o")) {
         readNames(statement == "g" ? &groups_here_ : &objects_here_);
+      } else if (statement == "F" || statement == "V") {
+        text_.fail("OBJ statements are in lower case");
+      } else if (statement == "call" || statement == "surf") {
+        text_.fail("'" + std::string(statement) +
+                   "' is not supported: write what it stands for as triangles");
       }
     } while (text_.nextLine());
     if (farthest_index_ > static_cast<std::int64_t>(mesh_.vertexCount())) {

@@ -76,9 +76,14 @@ void MonitorScene::setRobot(const RobotGeometry& robot) {
 void MonitorScene::listPairs() {
   pairs_ = monitoredPairs(bodies_, classes_.value_or(parameters_.pair_classes), rules_);
   part_pairs_ = monitoredPartPairs(bodies_, pairs_, rules_);
+  allowed_parts_ = nullptr;
   if (part_pairs_.empty() && scene_.disabledParts().empty()) return;
   scene_.enableAllParts();
-  for (const PartPair& pair : allowedParts(bodies_, pairs_, rules_)) {
+  auto allowed =
+      std::make_shared<const std::vector<PartPair>>(allowedParts(bodies_, pairs_, rules_));
+  if (!allowed->empty()) allowed_parts_ = std::move(allowed);
+  if (allowed_parts_ == nullptr) return;
+  for (const PartPair& pair : *allowed_parts_) {
     scene_.setPartPairEnabled(pair.body_a, pair.part_a, pair.body_b, pair.part_b, false);
   }
 }
@@ -188,6 +193,7 @@ CycleReport MonitorScene::makeReport(const ros::Time& stamp, std::uint64_t cycle
   report.bodies = bodies_;
   report.pairs = pairs_;
   report.part_pairs = part_pairs_;
+  report.allowed_parts = allowed_parts_;
   report.attached = rules_.attached;
   return report;
 }
@@ -234,17 +240,18 @@ std::vector<std::string> MonitorScene::framesOfRobotCycle() const {
 
 TransformReport MonitorScene::prepare(const ros::Time& t, const CycleTrigger& trigger,
                                       const MeshInputs& inputs, const TransformLookup& lookup) {
-  const auto isPosed = [&](const IncomingMesh& mesh) {
+  const auto isNotLate = [&](const IncomingMesh& mesh) {
     const FrameAtStamp frame{plainFrame(mesh.message->header.frame_id), mesh.stamp()};
-    return lookup.lookup({frame}).front().outcome == PoseAnswer::Outcome::kFound;
+    return lookup.lookup({frame}).front().outcome != PoseAnswer::Outcome::kLate;
   };
   const auto newest = [&](std::size_t object, std::string* why_not) {
     const auto& own = trigger.objects;
     if (std::find(own.begin(), own.end(), object) != own.end()) {
       return inputs[object].newestAt(t, why_not);
     }
-    // The newest mesh of a partner may still wait for its transform, and for a cycle of its own.
-    return inputs[object].newestAt(t, why_not, isPosed);
+    // The newest mesh of a partner may still wait for its transform, and for a cycle of its own. If
+    // its transform will never come, older meshes do not stand in for it.
+    return inputs[object].newestAt(t, why_not, isNotLate);
   };
   return prepareChosen(t, trigger, newest, lookup);
 }

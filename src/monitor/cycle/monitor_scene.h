@@ -175,8 +175,9 @@ class MonitorScene {
   // By body, of those that TF poses: why it is UNKNOWN for good; empty: it is not.
   std::vector<std::string> posed_problems_;
   std::vector<MonitoredPair> pairs_, part_pairs_;  // of bodies; of named parts (CycleReport)
-  std::vector<IncomingMesh> loaded_;               // by object: the mesh in the scene
-  std::vector<PartChooser> choosers_;              // by object
+  std::shared_ptr<const std::vector<PartPair>> allowed_parts_;  // CycleReport's
+  std::vector<IncomingMesh> loaded_;                            // by object: the mesh in the scene
+  std::vector<PartChooser> choosers_;                           // by object
   std::vector<std::shared_ptr<const BodyParts>> parts_in_scene_;  // by object
   BodyId first_rigid_ = 0, first_object_ = 0;
   std::optional<StatesAsked> states_;  // the question; nothing: there are cycles

@@ -63,14 +63,24 @@ bool isApart(const ContactState& state) {
   return state.state == ContactState::NONE || state.state == ContactState::NEAR;
 }
 
-// Returns what the link of a pair holds of its object; null: nothing.
-std::shared_ptr<const HeldPart> heldIn(const CycleReport& report, const MonitoredPair& pair) {
-  const auto found = report.attached.find(report.bodies.at(pair.b).name);
-  if (found == report.attached.end()) return nullptr;
-  const std::vector<std::string>& links = found->second.links;
-  const bool holds =
-      std::find(links.begin(), links.end(), report.bodies.at(pair.a).name) != links.end();
-  return holds ? found->second.part : nullptr;
+constexpr std::uint32_t kHeldBit = 1U << 8U;  // of the number of a piece
+constexpr unsigned kPieceBits = 9;
+
+// Returns a number that the piece keeps when other triangles are held.
+std::uint32_t numberOf(const BodyStatus& body, PartId piece) {
+  if (body.parts == nullptr || !body.parts->isHeld(piece)) return piece;
+  const std::vector<PartId>& held_of = body.parts->held_of;
+  return kHeldBit | held_of.at(piece - (body.parts->pieceCount() - held_of.size()));
+}
+
+// Returns whether the piece is of the part; every piece is of part 0, which stands for the body.
+bool isOf(const BodyStatus& body, PartId piece, PartId part) {
+  return part == 0 || body.parts->has(part, piece);
+}
+
+std::shared_ptr<const HeldPart> heldOf(const CycleReport& report, BodyId body) {
+  const auto found = report.attached.find(report.bodies.at(body).name);
+  return found == report.attached.end() ? nullptr : found->second.part;
 }
 
 }  // namespace
@@ -89,6 +99,8 @@ void ContactStateTracker::update(const CycleReport& report) {
   is_list_ = std::none_of(report.bodies.begin(), report.bodies.end(),
                           [](const BodyStatus& body) { return body.triggered; });
   listPairs(report);
+  if (report.allowed_parts != allowed_parts_) listLeftOut(report);
+  allowed_parts_ = report.allowed_parts;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     updateTrack(report, statePair(report, i), found, &tracks_[i]);
   }
@@ -134,15 +146,52 @@ void ContactStateTracker::listPairs(const CycleReport& report) {
   }
 }
 
+bool ContactStateTracker::LeftOut::covers(const LeftOut& before) const {
+  return std::all_of(before.pieces.begin(), before.pieces.end(), [&](std::uint32_t piece) {
+    const bool is_held_a = (piece >> kPieceBits & kHeldBit) != 0,
+               is_held_b = (piece & kHeldBit) != 0;
+    return std::binary_search(pieces.begin(), pieces.end(), piece) &&
+           (!is_held_a || held_a == before.held_a) && (!is_held_b || held_b == before.held_b);
+  });
+}
+
+// What rules left out of a state and do not leave out any more may touch.
+void ContactStateTracker::listLeftOut(const CycleReport& report) {
+  std::map<std::pair<BodyId, BodyId>, std::vector<PartPair>> by_pair;
+  if (report.allowed_parts != nullptr) {
+    for (const PartPair& one : *report.allowed_parts) {
+      by_pair[{one.body_a, one.body_b}].push_back(one);
+    }
+  }
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const MonitoredPair& pair = statePair(report, i);
+    const BodyStatus &a = report.bodies.at(pair.a), &b = report.bodies.at(pair.b);
+    LeftOut now;
+    const auto found = by_pair.find({pair.a, pair.b});
+    if (found != by_pair.end()) {
+      now.held_a = heldOf(report, pair.a);
+      now.held_b = heldOf(report, pair.b);
+      for (const PartPair& one : found->second) {
+        // Of self-contact, the part of the pair is either of the two.
+        const bool is_of_pair =
+            pair.a == pair.b ? isOf(b, one.part_a, pair.part_b) || isOf(b, one.part_b, pair.part_b)
+                             : isOf(a, one.part_a, pair.part_a) && isOf(b, one.part_b, pair.part_b);
+        if (!is_of_pair) continue;
+        now.pieces.push_back(numberOf(a, one.part_a) << kPieceBits | numberOf(b, one.part_b));
+      }
+      std::sort(now.pieces.begin(), now.pieces.end());
+    }
+    if (!now.covers(tracks_[i].left_out) && isApart(tracks_[i].state)) {
+      interrupt(ContactState::UNKNOWN, "not looked at yet", report.now, &tracks_[i]);
+    }
+    tracks_[i].left_out = std::move(now);
+  }
+}
+
 void ContactStateTracker::updateTrack(const CycleReport& report, const MonitoredPair& pair,
                                       const PairStates& found, Track* track) {
-  const auto left_out = std::exchange(track->held, heldIn(report, pair));
   if (pair.allowed) return interrupt(ContactState::ALLOWED, "allowed", report.now, track);
   if (track->state.state == ContactState::ALLOWED) {
-    interrupt(ContactState::UNKNOWN, "not looked at yet", report.now, track);
-  }
-  // What was held is of the object's own state again, and may touch the link.
-  if (left_out != nullptr && left_out != track->held && isApart(track->state)) {
     interrupt(ContactState::UNKNOWN, "not looked at yet", report.now, track);
   }
   const std::string problem = bodyProblem(report, pair);

@@ -75,6 +75,16 @@ class ContactStateTracker {
   void discard(const std::string& reason, const ros::Time& now, std::uint64_t epoch);
 
  private:
+  // The pieces of a pair's bodies whose contacts rules leave out of its state, such as what a link
+  // holds. Each number stands for a piece of both bodies: the part that it was taken from, and
+  // whether it is held.
+  struct LeftOut {
+    std::vector<std::uint32_t> pieces;  // ascending
+    std::shared_ptr<const HeldPart> held_a, held_b;
+
+    // Returns whether nothing that was left out before is of the state now.
+    bool covers(const LeftOut& before) const;
+  };
   struct Track {
     ContactState state;            // as it was last found; UNKNOWN and ALLOWED have no stamp
     ros::Time oldest_data;         // of a known state: the older stamp of its bodies' data
@@ -87,8 +97,7 @@ class ContactStateTracker {
     bool open = false;           // BEGIN was sent, END was not
     int cycles = 0;              // cycles in a row that speak for a change of `open`
     std::string listed_problem;  // why a body was not known when all pairs were listed last
-    // What the state leaves out because the pair's link holds it; null: nothing.
-    std::shared_ptr<const HeldPart> held;
+    LeftOut left_out;            // what the state says nothing about
 
     bool isKnown() const {
       return state.state != ContactState::UNKNOWN && state.state != ContactState::ALLOWED;
@@ -97,6 +106,7 @@ class ContactStateTracker {
 
   void forgetLocked(const std::string& body, const std::string& reason, const ros::Time& now);
   void listPairs(const CycleReport& report);
+  void listLeftOut(const CycleReport& report);
   void updateTrack(const CycleReport& report, const MonitoredPair& pair, const PairStates& found,
                    Track* track);
   bool applyInterval(const CycleReport& report, const IntervalFinding& interval,
@@ -116,7 +126,8 @@ class ContactStateTracker {
   mutable std::mutex mutex_;  // guards all that follows
   std::string frame_;         // frame and number of the last report's cycle
   std::uint64_t cycle_ = 0, epoch_ = 0;
-  bool is_list_ = false;       // the last report is no cycle, but lists all pairs
+  bool is_list_ = false;  // the last report is no cycle, but lists all pairs
+  std::shared_ptr<const std::vector<PartPair>> allowed_parts_;  // the last report's
   std::vector<Track> tracks_;  // in the order of the last report's pairs
   std::vector<ContactEvent> events_;
 };

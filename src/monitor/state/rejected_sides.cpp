@@ -25,13 +25,16 @@ class Side {
   Side(const CycleReport& report, const MonitoredPair& pair, bool is_a)
       : scene_(*report.scene),
         body_(report.bodies.at(is_a ? pair.a : pair.b)),
+        other_body_(report.bodies.at(is_a ? pair.b : pair.a)),
         id_(is_a ? pair.a : pair.b),
-        other_(is_a ? pair.b : pair.a) {}
+        other_(is_a ? pair.b : pair.a),
+        other_part_(is_a ? pair.part_b : pair.part_a) {}
 
   bool takesPart(PartId piece) const {
     const std::vector<PartId>& others = scene_.body(other_).listed_parts;
     return std::any_of(others.begin(), others.end(), [&](PartId of_other) {
-      return scene_.partPairEnabled(id_, piece, other_, of_other);
+      return (other_part_ == 0 || other_body_.parts->has(other_part_, of_other)) &&
+             scene_.partPairEnabled(id_, piece, other_, of_other);
     });
   }
 
@@ -57,8 +60,9 @@ class Side {
 
  private:
   const Scene& scene_;
-  const BodyStatus& body_;
+  const BodyStatus &body_, &other_body_;
   const BodyId id_, other_;
+  const PartId other_part_;
 };
 
 }  // namespace
@@ -74,15 +78,21 @@ std::string rejectsProblem(const CycleReport& report, const MonitoredPair& pair,
     return rejectsProblem(body.name, rejects.all, in_scene.mesh.triangleCount(), tolerated,
                           rejects.where);
   }
-  if (part != 0 || !side.piecesOf(0).empty()) return side.problemOf(part, rejects, tolerated);
+  // Two parts have no state of their own.
+  const bool needs_all = part == 0 && (is_a ? pair.part_b : pair.part_a) != 0;
+  if (part != 0 || (!needs_all && !side.piecesOf(0).empty())) {
+    return side.problemOf(part, rejects, tolerated);
+  }
   std::string problem;
-  for (std::size_t i = 1; i <= body.partCount(); ++i) {
+  bool some_known = false;
+  for (std::size_t i = 0; i <= body.partCount(); ++i) {
     const auto other = static_cast<PartId>(i);
     if (side.piecesOf(other).empty()) continue;
     const std::string own = side.problemOf(other, rejects, tolerated);
-    if (own.empty()) return "";
+    some_known |= own.empty();
     if (problem.empty()) problem = own;
   }
+  if (some_known && !needs_all) return "";
   // No triangle is compared: those that should be are of parts that nobody knows.
   const bool is_unknown = body.parts != nullptr && !body.parts->problem.empty();
   return problem.empty() && is_unknown ? body.name + ": " + body.parts->problem : problem;

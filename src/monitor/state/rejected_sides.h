@@ -19,7 +19,8 @@ struct Rejects {
 // Returns why NONE and NEAR must not be claimed of one side of a pair (is_a: that of pair.a); empty
 // if the rules tolerate its rejects. A part is decided by its own triangles. An object is decided
 // by the triangles of no named part, because its parts have states of their own. If such triangles
-// do not exist or are ALLOWED, some monitored part must be known. Needs the report's scene.
+// do not exist or are ALLOWED, some monitored part must be known. Beside a part of another object,
+// all of its own parts must be, because two parts have no state. Needs the report's scene.
 std::string rejectsProblem(const CycleReport& report, const MonitoredPair& pair, bool is_a,
                            const Rejects& rejects, double tolerated_rejects);
 

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <string>
 
 namespace deformable_contact_monitor {
 namespace {
@@ -72,10 +73,40 @@ void fill(const YAML::Node& node, int depth, Size* size, XmlRpc::XmlRpcValue* va
   }
 }
 
+// Returns the line in which a second document begins; 0: there is one at most. A line that begins
+// with "---" or "..." is such a mark wherever it stands (YAML 1.2, 9.1.2). yaml-cpp's LoadAll would
+// tell it, too, but does not end on some malformed files.
+int secondDocument(const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  bool has_content = false, is_over = false;
+  for (int number = 1; std::getline(file, line); ++number) {
+    const std::string mark = line.substr(0, 3);
+    const bool is_mark = line.find_first_of(" \t\r", 3) == 3 || line.size() == 3;
+    const bool begins = mark == "---" && is_mark;
+    if (begins && (has_content || is_over)) return number;
+    if (mark == "..." && is_mark) {
+      is_over = has_content;
+      continue;
+    }
+    const std::size_t at = line.find_first_not_of(" \t\r");
+    const bool is_content =
+        begins || (at != std::string::npos && line[at] != '#' && line[0] != '%');
+    if (is_content && is_over) return number;
+    has_content |= is_content;
+  }
+  return 0;
+}
+
 // Reads the file. Errors name it and the line.
 YAML::Node load(const std::string& path) {
   try {
-    return YAML::LoadFile(path);
+    const YAML::Node first = YAML::LoadFile(path);
+    if (const int line = secondDocument(path)) {
+      throw std::runtime_error(path + ": a second document begins in line " + std::to_string(line) +
+                               "; put all into one");
+    }
+    return first;
   } catch (const YAML::BadFile&) {
     throw std::runtime_error(path + ": cannot be read");
   } catch (const YAML::Exception& error) {

@@ -24,6 +24,7 @@
 #include "core/steady_time.h"
 #include "monitor/cycle/rigid_place.h"
 #include "monitor/diagnostics/body_checks.h"
+#include "monitor/time_difference.h"
 #include "robot/urdf_document.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"
@@ -152,7 +153,7 @@ void checkExpectations(const BagSetup& setup, std::vector<Expectation>* expectat
   }
   checkBodies(bodies, links, expectations);
   checkMargins([&setup](const std::string& body) { return marginOf(setup.parameters, body); },
-               expectations);
+               setup.parameters.detector.near_pairs, expectations);
 }
 
 // Makes the folder, and removes files of an earlier evaluation that this one may not write.
@@ -229,6 +230,28 @@ void warnOfTransforms(const BagCycles& cycles, double tf_timeout_s) {
   }
 }
 
+// Says what the live node would have made of meshes that came late, and what is not evaluated.
+void warnOfLiveNode(const BagContents& contents, const MonitorParameters& parameters) {
+  constexpr double kOtherClockS = 60;  // nothing takes so long to arrive
+  std::size_t late = 0;
+  double latest_s = 0;
+  for (const BagContents::Mesh& mesh : contents.meshes) {
+    const double age_s = secondsBetween(mesh.received, mesh.stamp);
+    if (age_s <= parameters.max_mesh_age_s || age_s > kOtherClockS) continue;
+    ++late;
+    latest_s = std::max(latest_s, age_s);
+  }
+  if (late > 0) {
+    warn("meshes that were recorded more than max_mesh_age_s (" +
+         formatted("%g", parameters.max_mesh_age_s) + " s) after their stamps: " +
+         std::to_string(late) + ", by " + formatted("%.3f", latest_s) +
+         " s at most; the node would have refused them, and said UNKNOWN");
+  }
+  if (parameters.pair_classes.needRobotCycles()) {
+    warn("pairs of links, and of links with rigid objects, are not evaluated: they stay UNKNOWN");
+  }
+}
+
 // Says that the simulated object did not always move as the links pushed it.
 void warnOfUndoneSteps(const BagCycles::UndoneSteps& undone, const std::string& object) {
   if (undone.count == 0) return;
@@ -263,6 +286,7 @@ int evaluate(const EvaluateArguments& arguments) {
   tables.finish();
   bags.progress.reset();
   warnOfTransforms(cycles, bags.setup.parameters.tf_timeout_s);
+  warnOfLiveNode(bags.contents, bags.setup.parameters);
   warnOfUndoneSteps(cycles.undoneSteps(), arguments.object.name);
   // A damaged bag is read twice, and the two readings may end differently.
   if (end.problem.empty()) end.problem = bags.contents.problem;
@@ -273,7 +297,9 @@ int evaluate(const EvaluateArguments& arguments) {
   end.setup = &bags.setup;
   end.runs = &runs;
   end.comparisons = &compared;
-  end.expectations = runs[0]->judge.verdicts();
+  // Of stamps that went back nobody knows the end.
+  const bool has_end = bags.contents.jumps.all().empty();
+  end.expectations = runs[0]->judge.verdicts(has_end ? bags.contents.ended() : ros::Time());
   end.refused_transforms = cycles.refusedTransforms();
   end.late_cycles = cycles.lateCycles();
   end.elapsed_s = stopwatch.elapsedMs() / 1e3;

@@ -57,6 +57,14 @@ bool hasMargins(const MonitorParameters& parameters) {
   return any;
 }
 
+// Returns whether the cycle and its steps list every contact of the triangles that there are.
+bool foundAll(const CycleReport& cycle, const DetectionResult& result) {
+  return result.isWhole() &&
+         std::all_of(cycle.sweeps.begin(), cycle.sweeps.end(), [](const SweepReport& sweep) {
+           return sweep.result == nullptr || sweep.result->detection.isWhole();
+         });
+}
+
 }  // namespace
 
 EvaluationRun::EvaluationRun(std::string asked_for, std::unique_ptr<Detector> with_detector,
@@ -92,7 +100,7 @@ void EvaluationRun::evaluate(CycleReport* cycle, Scene* scene, bool at_edge) {
   tracker.update(*cycle);
   states = tracker.states(stamp, stamp);
   steps.takeEvents(&tracker);
-  judge.look(states, at_edge);
+  judge.look(states, at_edge, foundAll(*cycle, *result));
   unknown.look(*cycle, states);
   ++cycles;
   whole += isWhole(*cycle, *result);

@@ -35,16 +35,30 @@ std::string describe(const Expectation& e) {
   return text;
 }
 
+// Returns whether the name is that of the body or of a part of it.
+bool isOf(const std::string& name, const std::string& body) {
+  return name.compare(0, body.size(), body) == 0 &&
+         (name.size() == body.size() || name[body.size()] == ':');
+}
+
 // Returns the state of the expectation's bodies, which may stand in any order; null if the pair is
-// not monitored.
+// not monitored. A part that is UNKNOWN may touch although its body's own state is NONE or NEAR, so
+// the part's state is the pair's then.
 const ContactState* find(const ContactStates& states, const Expectation& e) {
+  const ContactState* own = nullptr;
+  const ContactState* unknown = nullptr;  // of a part
   for (const ContactState& state : states.states) {
-    if ((state.body_a == e.link && state.body_b == e.object) ||
-        (state.body_a == e.object && state.body_b == e.link)) {
-      return &state;
+    const std::string &a = state.body_a, &b = state.body_b;
+    if ((a == e.link && b == e.object) || (a == e.object && b == e.link)) {
+      own = &state;
+    } else if (state.state == ContactState::UNKNOWN && unknown == nullptr &&
+               ((isOf(a, e.link) && isOf(b, e.object)) || (isOf(a, e.object) && isOf(b, e.link)))) {
+      unknown = &state;
     }
   }
-  return nullptr;
+  const bool is_apart =
+      own != nullptr && (own->state == ContactState::NONE || own->state == ContactState::NEAR);
+  return is_apart && unknown != nullptr ? unknown : own;
 }
 
 // Returns a state in words, for the failure of an expectation.
@@ -121,13 +135,19 @@ void checkBodies(const std::vector<std::string>& bodies, const std::set<std::str
   }
 }
 
-void checkMargins(const std::function<double(const std::string&)>& marginOf,
+void checkMargins(const std::function<double(const std::string&)>& marginOf, bool near_pairs,
                   std::vector<Expectation>* expectations) {
   for (Expectation& e : *expectations) {
-    if (e.keeps_m == 0 || !e.problem.empty()) continue;
+    if (!e.problem.empty()) continue;
     // The monitor keeps margins as float32, and the larger one counts.
     const double margin_m = std::max(marginOf(e.link), marginOf(e.object));
-    if (e.link == e.object) {
+    if (e.keeps_m == 0) {
+      if (e.min_pairs > 1 && near_pairs && margin_m > 0) {
+        e.problem =
+            "min_pairs: with near_pairs, pairs within the margin count, too; set near_pairs "
+            "to false";
+      }
+    } else if (e.link == e.object) {
       e.problem = "keeps_m: a body has no distance from itself";
     } else if (static_cast<float>(e.keeps_m) > static_cast<float>(margin_m)) {
       e.problem = "keeps_m " + metres(e.keeps_m) + " is above the margin of the two, " +
@@ -159,7 +179,7 @@ double ExpectationJudge::timeOf(const ros::Time& stamp) {
   return last_s_;
 }
 
-void ExpectationJudge::look(const ContactStates& states, bool at_edge) {
+void ExpectationJudge::look(const ContactStates& states, bool at_edge, bool found_all) {
   const double since_s = timeOf(states.header.stamp);
   bool are_judged = true;
   for (Record& record : records_) {
@@ -171,39 +191,50 @@ void ExpectationJudge::look(const ContactStates& states, bool at_edge) {
     }
     if (since_s < e.from_s || since_s > e.to_s) continue;
     are_judged &= is_judged;
-    if (is_judged) look(states, since_s, &record);
+    if (is_judged) look(states, since_s, found_all, &record);
   }
   unjudged_ += !are_judged;
 }
 
 // A gap counts as one cycle, unless the cycle at its end says UNKNOWN too. Where the clock went
 // back, the stamp is not later. Between two cycles that are not judged, the recording has not begun
-// or is over.
+// or is over. A cycle that says UNKNOWN ends no gap, because it may be another object's.
 void ExpectationJudge::lookAtGap(const ContactState& state, double since_s, bool is_judged,
                                  Record* record) const {
-  const Expectation& e = record->expectation;
-  const double from_s = std::max(record->looked_s + max_age_s_, e.from_s);
-  const double to_s = std::min(since_s, e.to_s);
   const bool is_gap =
       !record->looked.isZero() && secondsBetween(state.stamp, record->looked) > max_age_s_;
-  const bool says_so = state.state == ContactState::UNKNOWN && is_judged && since_s <= e.to_s;
-  if (is_gap && !says_so && from_s < to_s && (is_judged || record->was_judged)) {
-    record->is_monitored = true;
-    ++record->cycles;
-    ++record->unknown;
-    if (record->first_break.empty() &&
-        (e.keeps_m > 0 || e.touches != Expectation::Touches::kSometime)) {
-      record->first_break = "at " + seconds(from_s) + ": UNKNOWN until " + seconds(since_s) +
-                            " (no new mesh within max_mesh_age_s)";
-    }
-  }
+  const bool is_known = state.state != ContactState::UNKNOWN;
+  const bool says_so = !is_known && is_judged && since_s <= record->expectation.to_s;
+  if (is_gap && !says_so && (is_judged || record->was_judged)) countGap(since_s, record);
+  if (!is_known && is_judged) return;
   record->looked = state.stamp;
   record->looked_s = since_s;
   record->was_judged = is_judged;
 }
 
+void ExpectationJudge::countGap(double until_s, Record* record) const {
+  const Expectation& e = record->expectation;
+  const double from_s = std::max(record->looked_s + max_age_s_, e.from_s);
+  if (from_s >= std::min(until_s, e.to_s)) return;
+  record->is_monitored = true;
+  ++record->cycles;
+  ++record->unknown;
+  if (record->first_break.empty() &&
+      (e.keeps_m > 0 || e.touches != Expectation::Touches::kSometime)) {
+    record->first_break = "at " + seconds(from_s) + ": UNKNOWN until " + seconds(until_s) +
+                          " (no new mesh within max_mesh_age_s)";
+  }
+}
+
+void ExpectationJudge::lookAtEnd(const ros::Time& end, Record* record) const {
+  if (record->looked.isZero() || !record->was_judged) return;
+  if (secondsBetween(end, record->looked) <= max_age_s_) return;
+  countGap(start_s_ + secondsBetween(end, start_), record);
+}
+
 // Counts a cycle for one expectation. `known` says whether the state proves anything.
-void ExpectationJudge::look(const ContactStates& states, double since_s, Record* record) const {
+void ExpectationJudge::look(const ContactStates& states, double since_s, bool found_all,
+                            Record* record) const {
   const Expectation& e = record->expectation;
   const ContactState* const state = find(states, e);
   record->is_monitored |= state != nullptr;
@@ -218,14 +249,10 @@ void ExpectationJudge::look(const ContactStates& states, double since_s, Record*
   // A pair that has PASSED touched after its previous cycle, but not at this cycle's stamp.
   const bool touched = known && (state->state == ContactState::CONTACT ||
                                  (state->state == ContactState::PASSED && !always));
-  // A body that lies within the other touches it without any triangle pair.
-  bool touching = touched && (state->inside != 0 || state->pair_count >= e.min_pairs);
-  if (touched && !touching && states.tolerance > 0) {
-    // Within a tolerance not every pair is found. So CONTACT counts without pairs, but the number
-    // of pairs is not known.
-    touching = e.min_pairs == 1;
-    known = touching;
-  }
+  // A contact may have no pairs: one body lies within the other, or none of them was listed.
+  const bool touching =
+      touched && (state->inside != 0 || e.min_pairs == 1 || state->pair_count >= e.min_pairs);
+  if (touched && !touching && (states.tolerance > 0 || !found_all)) known = false;
   ++record->cycles;
   record->touching += touching;
   record->unknown += !known;
@@ -269,9 +296,10 @@ void ExpectationJudge::lookAtDistance(const ContactState* state, double toleranc
 }
 
 // An expectation that can never hold fails first, then one without any cycle, then by its counts.
-std::vector<ExpectationJudge::Verdict> ExpectationJudge::verdicts() const {
+std::vector<ExpectationJudge::Verdict> ExpectationJudge::verdicts(const ros::Time& end) const {
   std::vector<Verdict> verdicts;
-  for (const Record& record : records_) {
+  for (Record record : records_) {
+    lookAtEnd(end, &record);
     Verdict verdict{describe(record.expectation), ""};
     if (!record.expectation.problem.empty()) {
       verdict.failure = record.expectation.problem;

@@ -44,17 +44,19 @@ void checkBodies(const std::vector<std::string>& bodies, const std::set<std::str
 
 // Sets the problem of each keeps_m that cannot be shown: above the margin of its two bodies,
 // because a state NONE says only that they are farther apart than that, or of a body with itself.
-// `marginOf` returns the margin of a body [m].
-void checkMargins(const std::function<double(const std::string&)>& marginOf,
+// Sets that of a min_pairs above 1 where `near_pairs` count among the pairs, because they are no
+// touches. `marginOf` returns the margin of a body [m].
+void checkMargins(const std::function<double(const std::string&)>& marginOf, bool near_pairs,
                   std::vector<Expectation>* expectations);
 
 // Checks expectations on the cycles of one run:
 // - A cycle in which the pair is UNKNOWN, ALLOWED or not monitored proves nothing, so `always` and
-//   `never` fail. So does a gap between two cycles of the pair in which its state grew too old.
+//   `never` fail. So does a gap between two cycles of the pair, or after the last one, in which its
+//   state grew too old. A pair is UNKNOWN, too, while it is NONE or NEAR but a part of it UNKNOWN.
 // - An expectation without any cycle in its time fails.
 // - In swept motion, PASSED breaks `never` and fulfils `sometime`; for `always` it is not a touch.
-// - With a tolerance, a contact may have more pairs than were found, so fewer than min_pairs (if
-//   above 1) prove nothing either.
+// - A contact may have more pairs than were found with a tolerance, where triangles were rejected,
+//   or where memory was short. Then fewer than min_pairs (if above 1) prove nothing either.
 // - keeps_m holds in a cycle if the two are certainly at least so far apart: NONE, or NEAR at such
 //   a distance. Everything else breaks it, UNKNOWN too.
 // - A pair that is UNKNOWN because a transform is missing, in a cycle at an edge of the recording
@@ -66,8 +68,8 @@ class ExpectationJudge {
                             double max_age_s = std::numeric_limits<double>::infinity());
 
   // Takes the states after a cycle, in the order of stamps. Only pairs that the cycle checked
-  // count.
-  void look(const ContactStates& states, bool at_edge = false);
+  // count. `found_all`: no triangle was rejected, and no contact left out.
+  void look(const ContactStates& states, bool at_edge = false, bool found_all = true);
 
   // Returns in how many cycles at an edge some expectation was not judged.
   std::uint64_t unjudgedCycles() const { return unjudged_; }
@@ -76,8 +78,9 @@ class ExpectationJudge {
     std::string text;     // the expectation in words
     std::string failure;  // empty: it holds
   };
-  // Returns a verdict for each expectation. Call it after the last cycle.
-  std::vector<Verdict> verdicts() const;
+  // Returns a verdict for each expectation. Call it after the last cycle. `end` is that of the
+  // recording; zero: the last cycle is the end.
+  std::vector<Verdict> verdicts(const ros::Time& end = ros::Time()) const;
 
  private:
   // Counts what was seen of one expectation so far.
@@ -89,8 +92,8 @@ class ExpectationJudge {
     std::uint32_t most_pairs = 0;
     double least_m = std::numeric_limits<double>::infinity();  // of keeps_m
     double least_at_s = 0;
-    // The last cycle that checked the pair: its stamp (zero: none yet), its time after the first
-    // cycle [s], and whether it was judged.
+    // The last cycle that knew the pair's state, or was not judged: its stamp (zero: none yet),
+    // its time after the first cycle [s], and whether it was judged.
     ros::Time looked;
     double looked_s = 0;
     bool was_judged = true;
@@ -99,8 +102,13 @@ class ExpectationJudge {
   double timeOf(const ros::Time& stamp);
   // Counts the time since the pair's last cycle if its state grew too old in it.
   void lookAtGap(const ContactState& state, double since_s, bool is_judged, Record* record) const;
+  // Counts the time from the pair's last cycle to `until_s` as UNKNOWN, but for the first
+  // max_age_s_ of it and what is not the expectation's.
+  void countGap(double until_s, Record* record) const;
+  // Does so if the recording went on after the pair's last cycle.
+  void lookAtEnd(const ros::Time& end, Record* record) const;
   // Checks one expectation at a time after the first cycle [s].
-  void look(const ContactStates& states, double since_s, Record* record) const;
+  void look(const ContactStates& states, double since_s, bool found_all, Record* record) const;
   // Does the same for one with keeps_m. `state` is null if the pair is not monitored.
   static void lookAtDistance(const ContactState* state, double tolerance_m, double since_s,
                              Record* record);

@@ -154,6 +154,22 @@ TEST_F(HeldTest, WhatIsNoLongerHeldIsUnknownUntilItIsLookedAt) {
   EXPECT_EQ(move(0, 9), "C-");
 }
 
+TEST_F(HeldTest, WhatARuleOfTheHeldPartLeftOutIsUnknownUntilItIsLookedAt) {
+  said_.at_list = [this](const CycleReport& report) {
+    if (tracker_ == nullptr) return;
+    tracker_->update(report);
+    states_ = tracker_->states(ros_time_, ros_time_).states;
+  };
+  rule("palm", "cloth:held", true);
+  move(0, 0);
+  hold(.5F);
+  EXPECT_EQ(move(0, 0), "--aa");
+  requests_.attach("cloth", {});
+  step();
+  EXPECT_EQ(letters(), "??");
+  EXPECT_EQ(move(0, 0), "CC");
+}
+
 TEST_F(HeldTest, AfterAClockJumpOtherTrianglesEndIt) {
   ros_time_ = ros::Time(1000);
   move(0, 9);

@@ -179,6 +179,19 @@ TEST_F(MonitorSceneTest, APartnerWhoseTransformIsLateIsWhereItWasBefore) {
   EXPECT_EQ(scene_.bodies()[kCable].stamp, ros::Time(9.9));
 }
 
+TEST_F(MonitorSceneTest, APartnerWhoseTransformWillNeverComeIsUnknown) {
+  parameters_.pair_classes.deformable_deformable = true;
+  scene_.setRobot(robot());
+  for (const char* link : {"arm", "hand"}) pose(link, 10, 0);
+  give(0, 10);
+  give(1, 9.8, "camera");
+  give(1, 9.9, "nowhere");
+  pose("camera", 9.8, 3);
+  prepare(10);
+  EXPECT_FALSE(on(kCloth, kCable));
+  EXPECT_NE(unknown(kCable).find("nowhere"), std::string::npos) << unknown(kCable);
+}
+
 TEST_F(MonitorSceneTest, TheRobotsOwnCycleIsOfItsLinks) {
   parameters_.pair_classes.robot_self = true;
   scene_.setRobot(robot());

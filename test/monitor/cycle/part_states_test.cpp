@@ -95,6 +95,63 @@ class PartsTest : public LoopTest {
   std::size_t contacts_ = 0;
 };
 
+// The states after a rule changes, without a cycle.
+class PartRulesTest : public PartsTest {
+ protected:
+  std::string change(const std::string& a, const std::string& b, bool allowed) {
+    said_.at_list = [this](const CycleReport& report) {
+      if (tracker_ == nullptr) return;
+      tracker_->update(report);
+      states_ = tracker_->states(ros_time_, ros_time_).states;
+    };
+    AllowedContactsChange change;
+    change.add.resize(1);
+    change.add[0].body_a = a;
+    change.add[0].body_b = b;
+    change.add[0].allowed = allowed;
+    requests_.changeAllowedContacts(change);
+    step();
+    return letters();
+  }
+};
+
+TEST_F(PartRulesTest, WhatIsNotAllowedAnyMoreIsUnknownUntilItIsLookedAt) {
+  change("cloth:hem", "cable", true);
+  move(-1, 0);
+  EXPECT_EQ(letters(), "-a-");
+  EXPECT_EQ(change("cloth:half", "cable", false), "-a-") << "as it was";
+  EXPECT_EQ(change("cloth:hem", "cable", false),
+            "?"
+            "?-");
+  move(-1, 0);
+  EXPECT_EQ(letters(), "CC-");
+}
+
+TEST_F(PartRulesTest, SoIsThatOfTwoParts) {
+  parameters_.objects[1].parts = {{"tip", {{0, 0}}}};
+  change("cloth:hem", "cable:tip", true);
+  move(-1, 0);
+  EXPECT_EQ(all(), "cloth/cable -, cloth:hem/cable a, cloth:half/cable -, cloth/cable:tip -");
+  EXPECT_EQ(change("cloth:hem", "cable:tip", false),
+            "?"
+            "?-?");
+  move(-1, 0);
+  EXPECT_EQ(letters(), "CC-C");
+}
+
+// Two parts have no state, so that of the other object's part stands for all of its parts.
+TEST_F(PartsTest, AHiddenPartIsUnknownToAPartOfAnotherObject) {
+  parameters_.objects[1].parts = {{"tip", {{0, 0}}}};
+  move(0, 9);
+  EXPECT_EQ(letters(), "-?-?");
+  move(1, 9);
+  EXPECT_EQ(letters(), "?--?");
+  rule("cloth:hem", "cable:tip");
+  rule("cloth:half", "cable:tip");
+  move(-1, 9);
+  EXPECT_EQ(letters(), "----");
+}
+
 TEST_F(PartsTest, EachPartHasAStateBehindThoseOfBodies) {
   move(-1, 0);
   EXPECT_EQ(all(), "cloth/cable C, cloth:hem/cable C, cloth:half/cable -");

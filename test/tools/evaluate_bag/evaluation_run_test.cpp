@@ -79,7 +79,8 @@ TEST(RunComparison, WithinATolerancePairsMayDiffer) {
 
 // By the state, for pairs are those that were seen.
 std::string failureOf(Expectation::Touches touches, std::uint32_t min_pairs, std::uint8_t state,
-                      std::uint32_t pair_count, float tolerance, std::uint8_t inside = 0) {
+                      std::uint32_t pair_count, float tolerance, std::uint8_t inside = 0,
+                      bool found_all = true) {
   Expectation expectation;
   expectation.link = "hand";
   expectation.object = "cloth";
@@ -96,7 +97,7 @@ std::string failureOf(Expectation::Touches touches, std::uint32_t min_pairs, std
   states.states[0].state = state;
   states.states[0].pair_count = pair_count;
   states.states[0].inside = inside;
-  judge.look(states);
+  judge.look(states, false, found_all);
   return judge.verdicts().at(0).failure;
 }
 
@@ -149,6 +150,108 @@ TEST(ExpectationJudge, ATimeWithoutCyclesIsUnknown) {
   // What is UNKNOWN at an edge of the recording is not judged, and neither is the time between.
   EXPECT_EQ(failureAtGap(always, {10, 10.75}, ContactState::UNKNOWN, "hand: TF is missing"),
             "no cycle in that time");
+}
+
+// A judge of hand and cloth, which look at each other with a state at each of these stamps. Where a
+// stamp is below 0, another object has a cycle then, and the two are UNKNOWN.
+ExpectationJudge judgeOf(const Expectation& like, const std::vector<double>& stamps_s,
+                         const std::string& unknown_part = "") {
+  Expectation expectation = like;
+  expectation.link = "hand";
+  expectation.object = "cloth";
+  ExpectationJudge judge({expectation}, 0.5);
+  for (const double stamp_s : stamps_s) {
+    ContactStates states;
+    states.header.stamp = ros::Time(std::abs(stamp_s));
+    ContactState state;
+    state.stamp = states.header.stamp;
+    state.body_a = "hand";
+    state.body_b = "cloth";
+    state.state = stamp_s < 0 ? ContactState::UNKNOWN : ContactState::NONE;
+    states.states.push_back(state);
+    if (!unknown_part.empty()) {
+      state.body_b = unknown_part;
+      state.state = ContactState::UNKNOWN;
+      states.states.push_back(state);
+    }
+    judge.look(states);
+  }
+  return judge;
+}
+
+std::vector<Expectation> neverAndKeeps() {
+  std::vector<Expectation> both(2);
+  both[0].touches = Expectation::Touches::kNever;
+  both[1].keeps_m = 0.1;
+  return both;
+}
+
+TEST(ExpectationJudge, WhatIsAwayBeforeTheEndIsUnknown) {
+  for (Expectation e : neverAndKeeps()) {
+    const std::vector<double> stamps = {10, 10.5, 11};
+    const auto failure = [&](const ros::Time& end) {
+      return judgeOf(e, stamps).verdicts(end).at(0).failure;
+    };
+    EXPECT_EQ(failure(ros::Time()), "");
+    EXPECT_EQ(failure(ros::Time(11.5)), "");
+    EXPECT_EQ(failure(ros::Time(9)), "");
+    EXPECT_EQ(failure(ros::Time(14)),
+              "at 1.500 s: UNKNOWN until 4.000 s (no new mesh within max_mesh_age_s)");
+    e.to_s = 1.5;
+    EXPECT_EQ(failure(ros::Time(14)), "") << "its own time is over then";
+    e.to_s = 2;
+    EXPECT_NE(failure(ros::Time(14)), "");
+  }
+}
+
+TEST(ExpectationJudge, TheCycleOfAnotherObjectEndsNoGap) {
+  for (Expectation e : neverAndKeeps()) {
+    e.from_s = 1.2;
+    EXPECT_NE(judgeOf(e, {10, 13}).verdicts().at(0).failure, "");
+    EXPECT_NE(judgeOf(e, {10, -11.1, -12.9, 13}).verdicts().at(0).failure, "");
+    e.from_s = 2.8;
+    EXPECT_NE(judgeOf(e, {10, -12.7, 13}).verdicts().at(0).failure, "");
+    e.from_s = 3;
+    EXPECT_EQ(judgeOf(e, {10, -12.7, 13}).verdicts().at(0).failure, "");
+  }
+}
+
+TEST(ExpectationJudge, AnUnknownPartMakesItsBodyUnknown) {
+  for (const Expectation& e : neverAndKeeps()) {
+    EXPECT_NE(judgeOf(e, {10, 10.5}, "cloth:hem").verdicts().at(0).failure, "");
+    EXPECT_EQ(judgeOf(e, {10, 10.5}, "clothes").verdicts().at(0).failure, "");
+    EXPECT_EQ(judgeOf(e, {10, 10.5}, "rug:hem").verdicts().at(0).failure, "");
+  }
+}
+
+TEST(ExpectationJudge, AContactIsATouchWithoutPairsToo) {
+  using Touches = Expectation::Touches;
+  const auto contact = [](Touches touches, std::uint32_t min_pairs, std::uint32_t listed) {
+    return failureOf(touches, min_pairs, ContactState::CONTACT, listed, 0, 0, false);
+  };
+  EXPECT_NE(contact(Touches::kNever, 1, 0), "");
+  EXPECT_EQ(contact(Touches::kAlways, 1, 0), "");
+  EXPECT_EQ(contact(Touches::kSometime, 1, 0), "");
+  EXPECT_NE(contact(Touches::kNever, 5, 4), "") << "there may be five";
+  EXPECT_NE(contact(Touches::kAlways, 5, 4), "");
+  EXPECT_EQ(contact(Touches::kAlways, 5, 5), "");
+  EXPECT_NE(failureOf(Touches::kNever, 2, ContactState::PASSED, 1, 0, 0, false), "");
+}
+
+TEST(ExpectationJudge, NearPairsAreNotCounted) {
+  std::vector<Expectation> expectations(3);
+  expectations[0].min_pairs = 2;
+  expectations[2].keeps_m = 0.01;
+  for (const bool near_pairs : {false, true}) {
+    for (const double margin_m : {0.0, 0.02}) {
+      auto checked = expectations;
+      checked[2].link = "hand";
+      checkMargins([&](const std::string&) { return margin_m; }, near_pairs, &checked);
+      EXPECT_EQ(checked[0].problem.empty(), !near_pairs || margin_m == 0);
+      EXPECT_EQ(checked[1].problem, "");
+      EXPECT_EQ(checked[2].problem.empty(), margin_m > 0);
+    }
+  }
 }
 
 // Bounds of a time belong to it, and a gap is longer than max_mesh_age_s, although decimals are no
