@@ -243,8 +243,8 @@ void warnOfLiveNode(const BagContents& contents, const MonitorParameters& parame
   }
   if (late > 0) {
     warn("meshes that were recorded more than max_mesh_age_s (" +
-         formatted("%g", parameters.max_mesh_age_s) + " s) after their stamps: " +
-         std::to_string(late) + ", by " + formatted("%.3f", latest_s) +
+         formatted("%g", parameters.max_mesh_age_s) +
+         " s) after their stamps: " + std::to_string(late) + ", by " + formatted("%.3f", latest_s) +
          " s at most; the node would have refused them, and said UNKNOWN");
   }
   if (parameters.pair_classes.needRobotCycles()) {

@@ -339,6 +339,11 @@ class EvaluateBag(EvaluationCase):
         self.assert_refused(["--config", config, self.folder], "cannot be read")
         merged = self.text("merged.yaml", CONFIG + "defaults: &d {margin_m: 0.5}\n<<: *d\n")
         self.assert_refused(["--config", merged, self.bag()], "merge keys (<<) are not supported")
+        expect = "# the hand\n---\n- {link: panda_hand, object: tshirt, touches: never}\n"
+        for more in ("---\n" + expect, "...\n\n" + expect[15:]):
+            two = self.text("two.yaml", expect + more)
+            self.assert_refused(["--config", config, "--expect", two, self.bag()],
+                                "two.yaml: a second document begins in line ")
         self.assert_refused(["--config", config, self.text("empty.bag", "")], "is empty")
         self.assert_refused(["--config", config, self.text("text.bag", "hello")], "is no bag")
         self.assert_refused([], "BAG")

@@ -14,9 +14,11 @@ from panda_bag import AWAY_FROM, FRAMES, stamp_of
 class Expectations(EvaluationCase):
 
     def test_expectations(self):
-        good = self.text("good.yaml", """
+        good = self.text("good.yaml", """--- # begins
 - {link: panda_hand, object: tshirt, touches: sometime}
 - {link: panda_hand, object: tshirt, touches: never, from_s: 0.6}
+...
+# ends
 """)
         touched = {pair[0] for pairs in self.expected.values() for pair in pairs}
         self.assertIn("panda_hand", touched)
