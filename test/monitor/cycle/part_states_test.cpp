@@ -146,10 +146,22 @@ TEST_F(PartsTest, AHiddenPartIsUnknownToAPartOfAnotherObject) {
   EXPECT_EQ(letters(), "-?-?");
   move(1, 9);
   EXPECT_EQ(letters(), "?--?");
-  rule("cloth:hem", "cable:tip");
-  rule("cloth:half", "cable:tip");
-  move(-1, 9);
-  EXPECT_EQ(letters(), "----");
+}
+
+TEST_F(PartsTest, WhatAPartMayTouchMayBeHiddenFromIt) {
+  parameters_.objects[1].parts = {{"tip", {{0, 0}}}};
+  rule("cloth", "cable:tip");
+  rule("cloth:hem", "cable:tip", false);
+  ros_time_ += ros::Duration(0.125);
+  std::vector<float> sheet;
+  for (const float x : {0.F, 2.F, 4.F, 6.F}) {
+    sheet.insert(sheet.end(), {x, 0, 0, x + 1, 0, 0, x, 1, 0});
+  }
+  sheet[11] = kNaN;  // in triangle 1, which is of no part
+  store(0, sheet, 4, 4);
+  store(1, {20, 0, 0, 20, 0, 1, 21, 0, 1, 30, 0, 0, 30, 0, 1, 31, 0, 1}, 2, 1);
+  step();
+  EXPECT_EQ(all(), "cloth/cable ?, cloth:hem/cable -, cloth:half/cable -, cloth/cable:tip -");
 }
 
 TEST_F(PartsTest, EachPartHasAStateBehindThoseOfBodies) {
