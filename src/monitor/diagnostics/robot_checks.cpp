@@ -117,6 +117,14 @@ std::vector<std::string> robotWarnings(const RobotGeometry& robot,
     warnings.insert(warnings.end(), lines.begin(), lines.end());
   };
   add(geometryWarnings(robot));
+  for (const RobotParameters& one : parameters.robots) {
+    const auto is_of_one = [&one](const std::string& link) {
+      return link.compare(0, one.link_prefix.size(), one.link_prefix) == 0;
+    };
+    if (std::any_of(robot.link_names.begin(), robot.link_names.end(), is_of_one)) continue;
+    warnings.push_back("~robots: no link of '" + one.link_prefix +
+                       "' is there; each LinkMeshes has the links of all robots");
+  }
   for (const DescribedRobot& one : robot.robots) {
     std::set<std::string> names = one.links;
     for (const RigidParameters& rigid : parameters.rigids) names.insert(rigid.name);

@@ -41,6 +41,18 @@ TEST(RobotChecksTest, WarnsOfLinksSizesAndTheSrdf) {
   EXPECT_EQ(warnings.back(), "the SRDF is of robot 'pr2', but the robot is 'panda'");
 }
 
+TEST(RobotChecksTest, WarnsOfARobotWithoutLinks) {
+  MonitorParameters parameters;
+  parameters.robots = {{"one", "left/"}, {"two", "right/"}};
+  RobotGeometry left;
+  left.link_names = {"left/arm", "left/hand"};
+  EXPECT_EQ(robotWarnings(left, parameters),
+            std::vector<std::string>{"~robots: no link of 'right/' is there; each LinkMeshes has "
+                                     "the links of all robots"});
+  left.link_names.insert("right/hand");
+  EXPECT_EQ(robotWarnings(left, parameters).size(), 0U);
+}
+
 TEST(RobotChecksTest, RigidObjectsAreNamesOfTheSrdfAndOfNoLink) {
   MonitorParameters parameters;
   parameters.rigids = {{"table", "table"}};
