@@ -184,13 +184,13 @@ void RobotSource::hideLinks(const std::string& problem) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     problem_ = problem;
-    if (robot_ == nullptr) return;
+    if (robot_ == nullptr || is_hidden_) return;
+    is_hidden_ = true;
     RobotGeometry hidden = *robot_;
     for (LinkGeometry& link : hidden.links) {
       link.problem = "the newest link meshes are rejected: " + problem;
       link.mesh = TriangleMesh();
     }
-    if (same(*robot_, hidden)) return;
     robot_ = std::make_shared<const RobotGeometry>(std::move(hidden));
   }
   changed_();
@@ -203,6 +203,7 @@ bool RobotSource::use(RobotGeometry robot) {
   if (is_new) log(robot, parameters_);
   const std::lock_guard<std::mutex> lock(mutex_);
   problem_.clear();
+  is_hidden_ = false;
   if (is_new) robot_ = std::make_shared<const RobotGeometry>(std::move(robot));
   return is_new;
 }

@@ -80,6 +80,7 @@ class RobotSource {
 
   mutable std::mutex mutex_;  // guards the members below
   std::shared_ptr<const RobotGeometry> robot_;
+  bool is_hidden_ = false;  // the newest link meshes were rejected
   std::string problem_, srdf_problem_;
   std::vector<Srdf> srdfs_;  // of robots that come from a topic
 };

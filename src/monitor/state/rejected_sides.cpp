@@ -78,21 +78,22 @@ std::string rejectsProblem(const CycleReport& report, const MonitoredPair& pair,
     return rejectsProblem(body.name, rejects.all, in_scene.mesh.triangleCount(), tolerated,
                           rejects.where);
   }
-  // Two parts have no state of their own.
-  const bool needs_all = part == 0 && (is_a ? pair.part_b : pair.part_a) != 0;
-  if (part != 0 || (!needs_all && !side.piecesOf(0).empty())) {
-    return side.problemOf(part, rejects, tolerated);
-  }
-  std::string problem;
-  bool some_known = false;
-  for (std::size_t i = 0; i <= body.partCount(); ++i) {
+  // Two parts have no state of their own, so this one stands for all parts.
+  const bool needs_all = part == 0 && (is_a ? pair.part_b : pair.part_a) != 0 && rejects.all > 0;
+  const bool has_own = part != 0 || !side.piecesOf(0).empty();
+  std::string problem = has_own ? side.problemOf(part, rejects, tolerated) : "";
+  if (has_own && (!needs_all || !problem.empty())) return problem;
+  bool some_known = has_own;
+  for (std::size_t i = 1; i <= body.partCount(); ++i) {
     const auto other = static_cast<PartId>(i);
     if (side.piecesOf(other).empty()) continue;
     const std::string own = side.problemOf(other, rejects, tolerated);
+    if (own.empty() && !needs_all) return "";
+    if (!own.empty() && needs_all) return own;
     some_known |= own.empty();
     if (problem.empty()) problem = own;
   }
-  if (some_known && !needs_all) return "";
+  if (some_known) return "";
   // No triangle is compared: those that should be are of parts that nobody knows.
   const bool is_unknown = body.parts != nullptr && !body.parts->problem.empty();
   return problem.empty() && is_unknown ? body.name + ": " + body.parts->problem : problem;

@@ -81,6 +81,8 @@ int secondDocument(const std::string& path) {
   std::string line;
   bool has_content = false, is_over = false;
   for (int number = 1; std::getline(file, line); ++number) {
+    if (number == 1 && line.compare(0, 3, "\xEF\xBB\xBF") == 0)
+      line.erase(0, 3);  // byte order mark
     const std::string mark = line.substr(0, 3);
     const bool is_mark = line.find_first_of(" \t\r", 3) == 3 || line.size() == 3;
     const bool begins = mark == "---" && is_mark;

@@ -45,7 +45,16 @@ std::unique_ptr<Detector> makeBackend(const std::string& backend, const CudaSett
   }
 }
 
-// Returns true if any body has a margin. FCL cannot list pairs of triangles at a distance.
+// Returns whether the cycle and its steps list every contact of the triangles that there are.
+bool foundAll(const CycleReport& cycle, const DetectionResult& result) {
+  return result.isWhole() &&
+         std::all_of(cycle.sweeps.begin(), cycle.sweeps.end(), [](const SweepReport& sweep) {
+           return sweep.result == nullptr || sweep.result->detection.isWhole();
+         });
+}
+
+}  // namespace
+
 bool hasMargins(const MonitorParameters& parameters) {
   bool any = parameters.margin_m > 0;
   for (const ObjectParameters& object : parameters.objects) {
@@ -56,16 +65,6 @@ bool hasMargins(const MonitorParameters& parameters) {
   for (const auto& [link, margin_m] : parameters.link_margin_m) any |= margin_m > 0;
   return any;
 }
-
-// Returns whether the cycle and its steps list every contact of the triangles that there are.
-bool foundAll(const CycleReport& cycle, const DetectionResult& result) {
-  return result.isWhole() &&
-         std::all_of(cycle.sweeps.begin(), cycle.sweeps.end(), [](const SweepReport& sweep) {
-           return sweep.result == nullptr || sweep.result->detection.isWhole();
-         });
-}
-
-}  // namespace
 
 EvaluationRun::EvaluationRun(std::string asked_for, std::unique_ptr<Detector> with_detector,
                              const Options& with, const StateRules& rules,

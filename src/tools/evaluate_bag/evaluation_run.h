@@ -29,6 +29,10 @@ namespace deformable_contact_monitor {
 // backend that was asked for; another one may have run.
 std::string runName(const std::string& asked, const Options& options);
 
+// Returns true if any body has a margin, so that `near_pairs` lists pairs at a distance. FCL
+// cannot.
+bool hasMargins(const MonitorParameters& parameters);
+
 // The state and the sums of one run, which finds contacts as the node does on live meshes.
 struct EvaluationRun {
   // `looks_within`: also find which bodies lie within others. `swept_tolerance_m`: how far a link's

@@ -142,7 +142,7 @@ void checkMargins(const std::function<double(const std::string&)>& marginOf, boo
     // The monitor keeps margins as float32, and the larger one counts.
     const double margin_m = std::max(marginOf(e.link), marginOf(e.object));
     if (e.keeps_m == 0) {
-      if (e.min_pairs > 1 && near_pairs && margin_m > 0) {
+      if (e.min_pairs > 1 && near_pairs) {
         e.problem =
             "min_pairs: with near_pairs, pairs within the margin count, too; set near_pairs "
             "to false";
@@ -226,9 +226,11 @@ void ExpectationJudge::countGap(double until_s, Record* record) const {
   }
 }
 
+// Recorders end one topic after the other.
 void ExpectationJudge::lookAtEnd(const ros::Time& end, Record* record) const {
+  constexpr double kEdgeS = 1;
   if (record->looked.isZero() || !record->was_judged) return;
-  if (secondsBetween(end, record->looked) <= max_age_s_) return;
+  if (secondsBetween(end, record->looked) <= max_age_s_ + kEdgeS) return;
   countGap(start_s_ + secondsBetween(end, start_), record);
 }
 

@@ -44,7 +44,7 @@ void checkBodies(const std::vector<std::string>& bodies, const std::set<std::str
 
 // Sets the problem of each keeps_m that cannot be shown: above the margin of its two bodies,
 // because a state NONE says only that they are farther apart than that, or of a body with itself.
-// Sets that of a min_pairs above 1 where `near_pairs` count among the pairs, because they are no
+// Sets that of a min_pairs above 1 if `near_pairs` may count among the pairs, because they are no
 // touches. `marginOf` returns the margin of a body [m].
 void checkMargins(const std::function<double(const std::string&)>& marginOf, bool near_pairs,
                   std::vector<Expectation>* expectations);

@@ -14,7 +14,8 @@ from panda_bag import AWAY_FROM, FRAMES, stamp_of
 class Expectations(EvaluationCase):
 
     def test_expectations(self):
-        good = self.text("good.yaml", """--- # begins
+        good = self.text("good.yaml", """\ufeff# the hand
+--- # begins
 - {link: panda_hand, object: tshirt, touches: sometime}
 - {link: panda_hand, object: tshirt, touches: never, from_s: 0.6}
 ...
