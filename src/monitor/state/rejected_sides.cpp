@@ -87,7 +87,7 @@ std::string rejectsProblem(const CycleReport& report, const MonitoredPair& pair,
   for (std::size_t i = 1; i <= body.partCount(); ++i) {
     const auto other = static_cast<PartId>(i);
     if (side.piecesOf(other).empty()) continue;
-    const std::string own = side.problemOf(other, rejects, tolerated);
+    std::string own = side.problemOf(other, rejects, tolerated);
     if (own.empty() && !needs_all) return "";
     if (!own.empty() && needs_all) return own;
     some_known |= own.empty();
