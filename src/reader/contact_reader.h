@@ -210,14 +210,14 @@ class ContactReader {
     return body == "*" || isOf(state.body_a, body) || isOf(state.body_b, body);
   }
 
- private:
-  static constexpr std::size_t kMostNames = 8;
-
   // Returns whether the name is that of the body or of a part of it.
   static bool isOf(const std::string& name, const std::string& body) {
     return name.compare(0, body.size(), body) == 0 &&
            (name.size() == body.size() || name[body.size()] == ':');
   }
+
+ private:
+  static constexpr std::size_t kMostNames = 8;
 
   // Returns a - b [s]. ros::Duration would throw if they are more than 68 years apart.
   static double seconds(const ros::Time& a, const ros::Time& b) {

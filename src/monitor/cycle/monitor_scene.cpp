@@ -79,13 +79,12 @@ void MonitorScene::listPairs() {
   allowed_parts_ = nullptr;
   if (part_pairs_.empty() && scene_.disabledParts().empty()) return;
   scene_.enableAllParts();
-  auto allowed =
-      std::make_shared<const std::vector<PartPair>>(allowedParts(bodies_, pairs_, rules_));
-  if (!allowed->empty()) allowed_parts_ = std::move(allowed);
-  if (allowed_parts_ == nullptr) return;
-  for (const PartPair& pair : *allowed_parts_) {
+  std::vector<PartPair> allowed = allowedParts(bodies_, pairs_, rules_);
+  if (allowed.empty()) return;
+  for (const PartPair& pair : allowed) {
     scene_.setPartPairEnabled(pair.body_a, pair.part_a, pair.body_b, pair.part_b, false);
   }
+  allowed_parts_ = std::make_shared<const std::vector<PartPair>>(std::move(allowed));
 }
 
 void MonitorScene::setAllowedContacts(const AllowedContacts& allowed) {

@@ -35,12 +35,6 @@ std::string describe(const Expectation& e) {
   return text;
 }
 
-// Returns whether the name is that of the body or of a part of it.
-bool isOf(const std::string& name, const std::string& body) {
-  return name.compare(0, body.size(), body) == 0 &&
-         (name.size() == body.size() || name[body.size()] == ':');
-}
-
 // Returns the state of the expectation's bodies, which may stand in any order; null if the pair is
 // not monitored. A part that is UNKNOWN may touch although its body's own state is NONE or NEAR, so
 // the part's state is the pair's then.
@@ -52,7 +46,8 @@ const ContactState* find(const ContactStates& states, const Expectation& e) {
     if ((a == e.link && b == e.object) || (a == e.object && b == e.link)) {
       own = &state;
     } else if (state.state == ContactState::UNKNOWN && unknown == nullptr &&
-               ((isOf(a, e.link) && isOf(b, e.object)) || (isOf(a, e.object) && isOf(b, e.link)))) {
+               ((ContactReader::isOf(a, e.link) && ContactReader::isOf(b, e.object)) ||
+                (ContactReader::isOf(a, e.object) && ContactReader::isOf(b, e.link)))) {
       unknown = &state;
     }
   }

@@ -102,6 +102,15 @@ class HeldTest : public LoopTest {
     return text;
   }
 
+  // From now on states also follow what is reported between cycles.
+  void seeLists() {
+    said_.at_list = [this](const CycleReport& report) {
+      if (tracker_ == nullptr) return;
+      tracker_->update(report);
+      states_ = tracker_->states(ros_time_, ros_time_).states;
+    };
+  }
+
   void rule(const std::string& link, const std::string& other, bool allowed) {
     AllowedContactsChange change;
     AllowedContact rule;
@@ -140,11 +149,7 @@ TEST_F(HeldTest, ItEndsWithTheAttachment) {
 
 // The finger's state spoke of what it did not hold.
 TEST_F(HeldTest, WhatIsNoLongerHeldIsUnknownUntilItIsLookedAt) {
-  said_.at_list = [this](const CycleReport& report) {
-    if (tracker_ == nullptr) return;
-    tracker_->update(report);
-    states_ = tracker_->states(ros_time_, ros_time_).states;
-  };
+  seeLists();
   move(0, 9);
   hold(.5F);
   EXPECT_EQ(move(0, 9), "--a-");
@@ -155,11 +160,7 @@ TEST_F(HeldTest, WhatIsNoLongerHeldIsUnknownUntilItIsLookedAt) {
 }
 
 TEST_F(HeldTest, WhatARuleOfTheHeldPartLeftOutIsUnknownUntilItIsLookedAt) {
-  said_.at_list = [this](const CycleReport& report) {
-    if (tracker_ == nullptr) return;
-    tracker_->update(report);
-    states_ = tracker_->states(ros_time_, ros_time_).states;
-  };
+  seeLists();
   rule("palm", "cloth:held", true);
   move(0, 0);
   hold(.5F);
