@@ -73,6 +73,20 @@ std::uint32_t numberOf(const BodyStatus& body, PartId piece) {
   return kHeldBit | held_of.at(piece - (body.parts->pieceCount() - held_of.size()));
 }
 
+bool isHeldPart(const BodyStatus& body, PartId part) {
+  return part != 0 && part == body.parts->heldPart();
+}
+
+// Returns the numbers of the pieces that a part, or what is in no part, consists of now.
+std::vector<std::uint32_t> numbersOf(const BodyStatus& body, std::uint32_t part) {
+  std::vector<std::uint32_t> numbers;
+  for (const PartId piece : piecesOf(body, 0)) {
+    const std::uint32_t number = numberOf(body, piece);
+    if ((number & ~kHeldBit) == part) numbers.push_back(number);
+  }
+  return numbers;
+}
+
 // Returns whether the piece is of the part; every piece is of part 0, which stands for the body.
 bool isOf(const BodyStatus& body, PartId piece, PartId part) {
   return part == 0 || body.parts->has(part, piece);
@@ -99,8 +113,9 @@ void ContactStateTracker::update(const CycleReport& report) {
   is_list_ = std::none_of(report.bodies.begin(), report.bodies.end(),
                           [](const BodyStatus& body) { return body.triggered; });
   listPairs(report);
-  if (report.allowed_parts != allowed_parts_) listLeftOut(report);
+  if (report.allowed_parts != allowed_parts_ || report.attached != attached_) listLeftOut(report);
   allowed_parts_ = report.allowed_parts;
+  attached_ = report.attached;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     updateTrack(report, statePair(report, i), found, &tracks_[i]);
   }
@@ -146,16 +161,32 @@ void ContactStateTracker::listPairs(const CycleReport& report) {
   }
 }
 
-bool ContactStateTracker::LeftOut::covers(const LeftOut& before) const {
-  return std::all_of(before.pieces.begin(), before.pieces.end(), [&](std::uint32_t piece) {
-    const bool is_held_a = (piece >> kPieceBits & kHeldBit) != 0,
-               is_held_b = (piece & kHeldBit) != 0;
-    return std::binary_search(pieces.begin(), pieces.end(), piece) &&
-           (!is_held_a || held_a == before.held_a) && (!is_held_b || held_b == before.held_b);
-  });
+// If an object is held anew, a piece that was not held may have lost triangles to one that is. Which
+// triangles a held piece had before is not known any more.
+bool ContactStateTracker::LeftOut::covers(const LeftOut& before, const BodyStatus& a,
+                                          const BodyStatus& b) const {
+  const bool same_a = held_a == before.held_a, same_b = held_b == before.held_b;
+  if (same_a && same_b) {
+    return std::includes(pieces.begin(), pieces.end(), before.pieces.begin(), before.pieces.end());
+  }
+  const auto has = [this](std::uint32_t of_a, std::uint32_t of_b) {
+    return std::binary_search(pieces.begin(), pieces.end(), of_a << kPieceBits | of_b);
+  };
+  const auto isLeftOut = [&](std::uint32_t piece) {
+    const std::uint32_t of_a = piece >> kPieceBits, of_b = piece & ((1U << kPieceBits) - 1);
+    if ((!same_a && (of_a & kHeldBit) != 0) || (!same_b && (of_b & kHeldBit) != 0)) return false;
+    for (const std::uint32_t now_a : same_a ? std::vector{of_a} : numbersOf(a, of_a)) {
+      for (const std::uint32_t now_b : same_b ? std::vector{of_b} : numbersOf(b, of_b)) {
+        if (!has(now_a, now_b) && !(&a == &b && has(now_b, now_a))) return false;
+      }
+    }
+    return true;
+  };
+  return std::all_of(before.pieces.begin(), before.pieces.end(), isLeftOut);
 }
 
-// What rules left out of a state and do not leave out any more may touch.
+// Triangles that a state did not cover may touch: those of pieces that were left out and are not any
+// more, and those of another hold.
 void ContactStateTracker::listLeftOut(const CycleReport& report) {
   std::map<std::pair<BodyId, BodyId>, std::vector<PartPair>> by_pair;
   if (report.allowed_parts != nullptr) {
@@ -167,10 +198,10 @@ void ContactStateTracker::listLeftOut(const CycleReport& report) {
     const MonitoredPair& pair = statePair(report, i);
     const BodyStatus &a = report.bodies.at(pair.a), &b = report.bodies.at(pair.b);
     LeftOut now;
+    now.held_a = heldOf(report, pair.a);
+    now.held_b = heldOf(report, pair.b);
     const auto found = by_pair.find({pair.a, pair.b});
     if (found != by_pair.end()) {
-      now.held_a = heldOf(report, pair.a);
-      now.held_b = heldOf(report, pair.b);
       for (const PartPair& one : found->second) {
         // Of self-contact, the part of the pair is either of the two.
         const bool is_of_pair =
@@ -181,8 +212,12 @@ void ContactStateTracker::listLeftOut(const CycleReport& report) {
       }
       std::sort(now.pieces.begin(), now.pieces.end());
     }
-    if (!now.covers(tracks_[i].left_out) && isApart(tracks_[i].state)) {
+    const LeftOut& before = tracks_[i].left_out;
+    const bool is_other_part = (isHeldPart(a, pair.part_a) && now.held_a != before.held_a) ||
+                               (isHeldPart(b, pair.part_b) && now.held_b != before.held_b);
+    if ((is_other_part || !now.covers(before, a, b)) && isApart(tracks_[i].state)) {
       interrupt(ContactState::UNKNOWN, "not looked at yet", report.now, &tracks_[i]);
+      tracks_[i].state_before = ContactState::UNKNOWN;  // it did not cover these triangles
     }
     tracks_[i].left_out = std::move(now);
   }

@@ -76,14 +76,15 @@ class ContactStateTracker {
 
  private:
   // The pieces of a pair's bodies whose contacts rules leave out of its state, such as what a link
-  // holds. Each number stands for a piece of both bodies: the part that it was taken from, and
+  // holds. Each number encodes one piece of each body: the part that the piece was taken from, and
   // whether it is held.
   struct LeftOut {
-    std::vector<std::uint32_t> pieces;  // ascending
-    std::shared_ptr<const HeldPart> held_a, held_b;
+    std::vector<std::uint32_t> pieces;               // ascending
+    std::shared_ptr<const HeldPart> held_a, held_b;  // of the bodies
 
-    // Returns whether nothing that was left out before is of the state now.
-    bool covers(const LeftOut& before) const;
+    // Returns true if everything that `before` left out is still left out. `a` and `b` are the
+    // bodies as they are now.
+    bool covers(const LeftOut& before, const BodyStatus& a, const BodyStatus& b) const;
   };
   struct Track {
     ContactState state;            // as it was last found; UNKNOWN and ALLOWED have no stamp
@@ -97,7 +98,7 @@ class ContactStateTracker {
     bool open = false;           // BEGIN was sent, END was not
     int cycles = 0;              // cycles in a row that speak for a change of `open`
     std::string listed_problem;  // why a body was not known when all pairs were listed last
-    LeftOut left_out;            // what the state says nothing about
+    LeftOut left_out;            // the pieces that the state does not cover
 
     bool isKnown() const {
       return state.state != ContactState::UNKNOWN && state.state != ContactState::ALLOWED;
@@ -128,6 +129,7 @@ class ContactStateTracker {
   std::uint64_t cycle_ = 0, epoch_ = 0;
   bool is_list_ = false;  // the last report is no cycle, but lists all pairs
   std::shared_ptr<const std::vector<PartPair>> allowed_parts_;  // the last report's
+  AttachedObjects attached_;                                    // the last report's
   std::vector<Track> tracks_;  // in the order of the last report's pairs
   std::vector<ContactEvent> events_;
 };

@@ -63,13 +63,15 @@ std::string seen(const ContactState* state) {
          " pairs" + (state->reason.empty() ? "" : " (" + state->reason + ")");
 }
 
+// Returns the name of the body that the name of a part begins with.
+std::string bodyOf(const std::string& name) { return name.substr(0, name.find(':')); }
+
 // Returns whether the pair is UNKNOWN because TransformLookup found no transform of a body. Reasons
 // name the body, also for the state of a part.
 bool lacksTransform(const ContactState& state) {
   if (state.state != ContactState::UNKNOWN) return false;
   for (const std::string& name : {state.body_a, state.body_b}) {
-    const std::string body = name.substr(0, name.find(':'));
-    if (state.reason.rfind(body + ": TF ", 0) == 0) return true;
+    if (state.reason.rfind(bodyOf(name) + ": TF ", 0) == 0) return true;
   }
   return false;
 }
@@ -142,7 +144,7 @@ void checkMargins(const std::function<double(const std::string&)>& marginOf, boo
             "min_pairs: with near_pairs, pairs within the margin count, too; set near_pairs "
             "to false";
       }
-    } else if (e.link == e.object) {
+    } else if (bodyOf(e.link) == bodyOf(e.object)) {
       e.problem = "keeps_m: a body has no distance from itself";
     } else if (static_cast<float>(e.keeps_m) > static_cast<float>(margin_m)) {
       e.problem = "keeps_m " + metres(e.keeps_m) + " is above the margin of the two, " +

@@ -217,6 +217,61 @@ TEST_F(HeldTest, AnotherHoldReplacesIt) {
   EXPECT_EQ(move(0, 9), "--a-");
 }
 
+// A larger hold takes triangles that a rule left out of the palm's state.
+TEST_F(HeldTest, WhatIsHeldAnewIsUnknownUntilItIsLookedAt) {
+  seeLists();
+  rule("palm", "cloth", true);
+  rule("palm", "cloth:held", false);
+  move(0, 1);
+  hold(.5F);
+  EXPECT_EQ(move(0, 1), "--a-") << "the palm touches what is not held, which is allowed";
+  hold(2);
+  step();
+  EXPECT_EQ(letters(), "??a?");
+  EXPECT_EQ(move(0, 1), "-CaC");
+  hold(.5F);
+  step();
+  EXPECT_EQ(letters(), "?CaC") << "a contact lasts until the next mesh";
+  EXPECT_EQ(move(0, 1), "--a-");
+}
+
+TEST_F(HeldTest, WhatIsHeldAnewIsUnknownWhereNothingIsAllowed) {
+  seeLists();
+  rule("finger", "cloth:held", false);
+  move(0, 9);
+  hold(.5F);
+  EXPECT_EQ(move(1, 9), "C---");
+  hold(.5F);
+  step();
+  EXPECT_EQ(letters(), "C-??");
+}
+
+// The first hold takes triangles of a part that a rule left out. `since` must not count from a time
+// at which they were not watched.
+TEST_F(HeldTest, WhatIsTakenFromAnAllowedPartIsUnknownUntilItIsLookedAt) {
+  seeLists();
+  parameters_.objects[0].parts = {{"hem", {{0, 1}}}};
+  rule("palm", "cloth:hem", true);
+  rule("palm", "cloth:held", false);
+  EXPECT_EQ(move(0, 9), "C-Ca");
+  hold(.5F);
+  step();
+  EXPECT_EQ(letters(), "C?Ca??");
+  EXPECT_EQ(move(0, 9), "---a--");
+  EXPECT_EQ(states_[1].since, ros::Duration(0));
+}
+
+// Rules that concern nothing that was taken leave the states alone.
+TEST_F(HeldTest, AHoldElsewhereChangesNoState) {
+  seeLists();
+  parameters_.objects[0].parts = {{"hem", {{2, 3}}}};
+  rule("palm", "cloth:hem", true);
+  EXPECT_EQ(move(0, 9), "C--a");
+  hold(.5F);
+  step();
+  EXPECT_EQ(letters(), "C--aa?");
+}
+
 TEST_F(HeldTest, HeldTrianglesOfANamedPartStayOfThatPart) {
   parameters_.objects[0].parts = {{"hem", {{0, 1}}}, {"logo", {{3, 3}}}};
   move(0, 9);
