@@ -8,16 +8,15 @@
 #include <boost/make_shared.hpp>
 #include <boost/shared_ptr.hpp>
 #include <cstdint>
+#include <exception>
 #include <functional>
-#include <stdexcept>
 #include <string>
 
 #include "monitor/input/message_bytes.h"
 
 namespace deformable_contact_monitor {
 
-// Replaces roscpp's reader of one message type. roscpp logs what deserialize() throws as an error,
-// with the publisher's name, and drops the message.
+// Replaces roscpp's reader of one message type.
 template <typename M>
 class CheckedReader : public ros::SubscriptionCallbackHelperT<const boost::shared_ptr<const M>&> {
   using Base = ros::SubscriptionCallbackHelperT<const boost::shared_ptr<const M>&>;
@@ -25,23 +24,36 @@ class CheckedReader : public ros::SubscriptionCallbackHelperT<const boost::share
  public:
   using Base::Base;
 
+  // Returns the message, or an empty one that carries a Rejection.
   ros::VoidConstPtr deserialize(
       const ros::SubscriptionCallbackHelperDeserializeParams& params) override {
-    const std::string problem = validateBytes<M>(params.buffer, params.length);
-    if (!problem.empty()) throw std::runtime_error(problem);
-    return Base::deserialize(params);
+    std::string problem = validateBytes<M>(params.buffer, params.length);
+    if (problem.empty()) {
+      try {
+        return Base::deserialize(params);
+      } catch (const std::exception& error) {  // out of memory, say
+        problem = error.what();
+      }
+    }
+    return boost::shared_ptr<const M>(new M, Rejection{problem});
   }
 };
 
 // Returns the options of a subscription that calls `receive` with each message whose bytes are
-// exactly one M. M is one of the types of message_bytes.h.
+// exactly one M, and `reject` with what is wrong with the bytes of another. M is one of the types
+// of message_bytes.h.
 template <typename M>
 ros::SubscribeOptions checkedSubscription(
     const std::string& topic, std::uint32_t queue_size,
-    const std::function<void(const boost::shared_ptr<const M>&)>& receive) {
+    const std::function<void(const boost::shared_ptr<const M>&)>& receive,
+    const std::function<void(const std::string& problem)>& reject) {
   ros::SubscribeOptions options(topic, queue_size, ros::message_traits::md5sum<M>(),
                                 ros::message_traits::datatype<M>());
-  options.helper = boost::make_shared<CheckedReader<M>>(receive);
+  options.helper = boost::make_shared<CheckedReader<M>>(
+      [receive, reject](const boost::shared_ptr<const M>& message) {
+        const Rejection* const rejection = boost::get_deleter<Rejection>(message);
+        rejection == nullptr ? receive(message) : reject(rejection->problem);
+      });
   options.transport_hints = ros::TransportHints().tcpNoDelay();
   return options;
 }

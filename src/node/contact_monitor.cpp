@@ -387,7 +387,9 @@ std::shared_ptr<const HeldPart> ContactMonitor::findHeld(const AttachObject::Req
 // Releases objects from links that a new robot lacks.
 void ContactMonitor::noteRobot() {
   const std::shared_ptr<const RobotGeometry> robot = robot_source_.newest();
-  ROS_INFO_STREAM("a new robot is there:" << describeRobots(*robot));
+  if (robot_source_.problem().empty()) {
+    ROS_INFO_STREAM("using a new robot:" << describeRobots(*robot));
+  }
   std::set<std::string> holders = robot->link_names;
   for (const RigidParameters& rigid : parameters_.rigids) holders.insert(rigid.name);
   for (const std::string& held : requests_.releaseFromOthers(holders)) {

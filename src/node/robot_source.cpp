@@ -62,7 +62,8 @@ RobotSource::RobotSource(const MonitorParameters& parameters, const ros::NodeHan
     use(loadFromDescriptions(srdfs_));
   } else {
     ros::SubscribeOptions options = checkedSubscription<LinkMeshes>(
-        "robot_link_meshes", 1, [this](const LinkMeshes::ConstPtr& message) { receive(message); });
+        "robot_link_meshes", 1, [this](const LinkMeshes::ConstPtr& message) { receive(message); },
+        [this](const std::string& problem) { reject(problem); });
     subscriber_ = private_node.subscribe(options);
   }
 }
@@ -171,27 +172,20 @@ void RobotSource::receive(const LinkMeshes::ConstPtr& message) {
     checkRobot(robot, parameters_);
     if (use(std::move(robot))) changed_();
   } catch (const std::exception& error) {
-    ROS_ERROR_STREAM(
-        "the link meshes are rejected, and no shape of a link is known until the next "
-        "ones: "
-        << error.what() << "; see config/docs/console.md#the-robot");
-    hideLinks(error.what());
+    reject(error.what());
   }
 }
 
-// The sender knows of other meshes than those that are in use, so these may be wrong.
-void RobotSource::hideLinks(const std::string& problem) {
+// The sender has newer meshes than those in use, so these may be wrong.
+void RobotSource::reject(const std::string& problem) {
+  ROS_ERROR_STREAM(
+      "the new link meshes are rejected, so every link is UNKNOWN until valid ones come: "
+      << problem << "; see config/docs/console.md#the-robot");
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    problem_ = problem;
-    if (robot_ == nullptr || is_hidden_) return;
-    is_hidden_ = true;
-    RobotGeometry hidden = *robot_;
-    for (LinkGeometry& link : hidden.links) {
-      link.problem = "the newest link meshes are rejected: " + problem;
-      link.mesh = TriangleMesh();
-    }
-    robot_ = std::make_shared<const RobotGeometry>(std::move(hidden));
+    const bool is_known = problem == std::exchange(problem_, problem);
+    if (robot_ == nullptr || is_known) return;
+    robot_ = std::make_shared<const RobotGeometry>(withoutShapes(*robot_, problem));
   }
   changed_();
 }
@@ -203,7 +197,6 @@ bool RobotSource::use(RobotGeometry robot) {
   if (is_new) log(robot, parameters_);
   const std::lock_guard<std::mutex> lock(mutex_);
   problem_.clear();
-  is_hidden_ = false;
   if (is_new) robot_ = std::make_shared<const RobotGeometry>(std::move(robot));
   return is_new;
 }

@@ -21,7 +21,8 @@ namespace deformable_contact_monitor {
 class RobotSource {
  public:
   // Loads the robot (robot_source: urdf), or subscribes to the latched topic ~robot_link_meshes
-  // (robot_source: topic), which may come late, and again with changed meshes. Throws
+  // (robot_source: topic), which may come late, and again with changed meshes; as long as the newest
+  // message is rejected, no link has a shape. Throws
   // std::runtime_error if the robot is missing or malformed, if a link has no usable geometry
   // (strict_geometry), if two links have one name, or if the SRDF that ~srdf names cannot be used;
   // an SRDF that was only found becomes a srdfProblem(). Throws ReadingStopped if ROS shuts down
@@ -66,8 +67,8 @@ class RobotSource {
   void loadFirstSrdfs();
   // Takes a robot from the topic.
   void receive(const LinkMeshes::ConstPtr& message);
-  // Keeps the links of the newest robot, without their shapes, because of a problem.
-  void hideLinks(const std::string& problem);
+  // Rejects a message of the topic. Keeps the links of the newest robot, without their shapes.
+  void reject(const std::string& problem);
   // Keeps the robot unless it equals the newest one. Returns whether the robot is new. Either way,
   // the problem of an earlier robot is forgotten.
   bool use(RobotGeometry robot);
@@ -80,7 +81,6 @@ class RobotSource {
 
   mutable std::mutex mutex_;  // guards the members below
   std::shared_ptr<const RobotGeometry> robot_;
-  bool is_hidden_ = false;  // the newest link meshes were rejected
   std::string problem_, srdf_problem_;
   std::vector<Srdf> srdfs_;  // of robots that come from a topic
 };

@@ -44,7 +44,11 @@ StateService::StateService(const MonitorParameters& parameters, QuestionSources 
   publisher_ = topic_node.advertise<StatesChecked>("states_checked", kMostWaitingQuestions);
   ros::SubscribeOptions options = checkedSubscription<StatesToCheck>(
       "states_to_check", kMostWaitingQuestions,
-      [this](const StatesToCheck::ConstPtr& question) { receive(question); });
+      [this](const StatesToCheck::ConstPtr& question) { receive(question); },
+      [](const std::string& problem) {
+        ROS_ERROR_STREAM("~states_to_check: a message is dropped: "
+                         << problem << "; see config/docs/plan_around_a_cloth.md");
+      });
   subscriber_ = topic_node.subscribe(options);
   service_ = service_node.advertiseService("check_states", &StateService::checkStates, this);
   service_spinner_.start();

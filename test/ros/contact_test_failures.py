@@ -14,6 +14,7 @@ import xml.etree.ElementTree as ElementTree
 
 import rospy
 import rostest
+from dynamic_reconfigure.msg import Config, DoubleParameter
 from rosgraph_msgs.msg import Clock
 
 import boxes_scene
@@ -151,9 +152,49 @@ class ContactTestFailures(unittest.TestCase):
                                                    "because mesh stale: cloth: newest mesh is 0.7",
                            {"play": lambda t: near(0.3) if t < 1 else
                             state("UNKNOWN", reason="cloth: newest mesh is 0.7 s old")}),
-            "sees_little": (keeps, "margin too small: keeps_m is 0.25, but /played/sees_little "
-                                   "knows no distance of the two beyond its margin_m of 0.1 m",
+            "sees_little": (keeps, "margin too small: keeps_m is 0.25, but the monitor knows no "
+                                   "distance of the two beyond its margin_m of 0.1 m; of /played/s",
                             {"play": lambda t: near(0.09)})})
+
+    def test_a_margin_that_changes(self):
+        """The parameter server may say what is not in force, and a margin may fall meanwhile."""
+        for name in ("was_less", "becomes_less"):
+            rospy.set_param(f"/played/{name}/margin_m", 0.25)
+
+        def say(name, margin_m):
+            updates[name].publish(Config(doubles=[DoubleParameter("margin_m", margin_m)]))
+        updates = {name: rospy.Publisher(f"/played/{name}/parameter_updates", Config, latch=True,
+                                         queue_size=1) for name in ("was_less", "becomes_less")}
+        say("was_less", 0.1)
+        say("becomes_less", 0.25)
+
+        def falls_for_a_while(t):
+            if 1 < t < 1.5:
+                say("becomes_less", 0.1 if t < 1.25 else 0.25)
+            return near(float("inf"))
+        keeps = {"keeps_m": 0.25, "hold_s": 3}
+        too_small = "margin too small: .* of 0.1 m; of /played/"
+        self.check_played({
+            "was_less": (keeps, too_small, {"play": lambda t: near(float("inf"))}),
+            "becomes_less": (keeps, too_small, {"play": falls_for_a_while})})
+
+    def test_two_monitors(self):
+        rival = subprocess.Popen([sys.executable, "-c", """
+import rospy
+from deformable_contact_monitor.msg import ContactState, ContactStates
+rospy.init_node("rival")
+states = rospy.Publisher("/played/rivals/contact_states", ContactStates, queue_size=1)
+while not rospy.is_shutdown():
+    rospy.sleep(0.1)
+    message = ContactStates(states=[ContactState(body_a="palm", body_b="cloth")])
+    message.header.stamp = message.states[0].stamp = rospy.Time.now()
+    states.publish(message)
+"""])
+        self.addCleanup(rival.wait)
+        self.addCleanup(rival.kill)
+        self.check_played({"rivals": (
+            {"state": "none", "hold_s": 10}, "two monitors: .* and .* publish /played/rivals/",
+            {"play": lambda t: state("NONE")})})
 
     def test_no_master(self):
         with socket.socket() as unused:

@@ -14,6 +14,11 @@
 #include "robot/nearest_name.h"
 
 namespace deformable_contact_monitor {
+namespace {
+
+constexpr char kRejected[] = "the newest link meshes are rejected: ";
+
+}  // namespace
 
 std::string namesOfNoLink(const std::vector<std::string>& names, const RobotGeometry& robot) {
   std::vector<std::string> links;
@@ -43,6 +48,18 @@ RobotGeometry selectedLinks(RobotGeometry robot, const RobotGeometryOptions& opt
   robot.links.erase(std::remove_if(robot.links.begin(), robot.links.end(), unwanted),
                     robot.links.end());
   return robot;
+}
+
+RobotGeometry withoutShapes(RobotGeometry robot, const std::string& problem) {
+  for (LinkGeometry& link : robot.links) {
+    link.problem = std::string(kRejected) + problem;
+    link.mesh = TriangleMesh();
+  }
+  return robot;
+}
+
+bool isWithoutShapes(const RobotGeometry& robot) {
+  return !robot.links.empty() && robot.links.front().problem.rfind(kRejected, 0) == 0;
 }
 
 // A proper prefix of a text is less than the text, so of the prefixes of a name, the longest comes

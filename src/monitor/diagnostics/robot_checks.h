@@ -14,6 +14,12 @@ namespace deformable_contact_monitor {
 // std::runtime_error if a link occurs twice, or if a link that `options.links` names is missing.
 RobotGeometry selectedLinks(RobotGeometry robot, const RobotGeometryOptions& options);
 
+// Returns the robot's links without their shapes, because newer link meshes had this problem.
+RobotGeometry withoutShapes(RobotGeometry robot, const std::string& problem);
+
+// Returns whether withoutShapes() made the robot.
+bool isWithoutShapes(const RobotGeometry& robot);
+
 // Returns the names that no link has, with hints: "'hnad' (did you mean 'hand'?), 'arm'". Returns
 // an empty text if every name is a link's.
 std::string namesOfNoLink(const std::vector<std::string>& names, const RobotGeometry& robot);

@@ -18,16 +18,6 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Goes with a rejected message as its deleter, so that it reaches every subscriber of this process:
-// roscpp reads a message once and hands the same one to all of them.
-struct Rejection {
-  std::string problem;
-  template <typename M>
-  void operator()(const M* message) const {
-    delete message;
-  }
-};
-
 template <typename M>
 using Helper = ros::SubscriptionCallbackHelperT<const ros::MessageEvent<const M>&>;
 

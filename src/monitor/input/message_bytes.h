@@ -30,6 +30,16 @@ namespace deformable_contact_monitor {
 template <typename M>
 std::string validateBytes(const std::uint8_t* bytes, std::size_t size);
 
+// Goes with a rejected message as its deleter, so that it reaches every subscriber of this process:
+// roscpp reads a message once and hands the same one to all of them.
+struct Rejection {
+  std::string problem;
+  template <typename M>
+  void operator()(const M* message) const {
+    delete message;
+  }
+};
+
 // Returns why a mesh of that many bytes is too large; empty: it is not.
 std::string meshSizeProblem(std::uint64_t bytes, std::size_t max_bytes);
 

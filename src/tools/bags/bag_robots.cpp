@@ -1,5 +1,5 @@
-// Loads the robots of recorded cycles. One that cannot be used leaves the robots as they were, as
-// in the node.
+// Loads the robots of recorded cycles. As in the node, a URDF that cannot be used leaves the robot as
+// it was, and link meshes that cannot be used leave its links without shapes.
 #include "tools/bags/bag_robots.h"
 
 #include <algorithm>
@@ -18,11 +18,13 @@ namespace {
 using Warn = std::function<void(const std::string&)>;
 using Descriptions = std::vector<RobotDescription>;
 
+using Rejections = History<std::string>;  // what is wrong with values that cannot be used
+
 // Makes a robot from each recorded value. Throws what the last one throws if none can be used.
 template <typename T>
 History<RobotGeometry> robotsOf(const History<T>& values, const MonitorParameters& parameters,
                                 const std::function<RobotGeometry(const T&)>& make,
-                                const Warn& warn) {
+                                Rejections* rejections) {
   History<RobotGeometry> robots;
   for (const Recorded<T>& recorded : values) {
     try {
@@ -31,11 +33,24 @@ History<RobotGeometry> robotsOf(const History<T>& values, const MonitorParameter
       robots.push_back({recorded.received, std::move(robot)});
     } catch (const std::exception& error) {
       if (&recorded == &values.back() && robots.empty()) throw;
-      warn("the robot that was recorded at " + stampText(recorded.received) +
-           " is not used: " + error.what());
+      rejections->push_back({recorded.received, error.what()});
     }
   }
   return robots;
+}
+
+// Adds a robot without shapes for each rejection, with the links of the robot before it, or of the
+// first one.
+History<RobotGeometry> withRejections(const History<RobotGeometry>& robots,
+                                      const Rejections& rejections) {
+  History<RobotGeometry> all = robots;
+  for (const Recorded<std::string>& one : rejections) {
+    all.push_back(
+        {one.received, withoutShapes(robots[indexAt(robots, one.received)].value, one.value)});
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a.received < b.received; });
+  return all;
 }
 
 // Returns the URDFs of one robot; none if nothing was recorded.
@@ -115,9 +130,10 @@ History<RobotGeometry> loadBagRobots(const BagFiles& files, const MonitorParamet
     srdfs.push_back(loadSrdf(files.srdf.empty() ? described[i].srdf : files.srdf,
                              contents.chosen.robots[i].semantic, contents, warn));
   }
+  Rejections rejections;
   if (!contents.link_meshes.empty()) {
     *from = "the bags' link meshes";
-    return robotsOf<LinkMeshes>(
+    const History<RobotGeometry> robots = robotsOf<LinkMeshes>(
         contents.link_meshes, parameters,
         [&](const LinkMeshes& message) {
           const RobotGeometry sent = fromLinkMeshes(message);
@@ -127,10 +143,15 @@ History<RobotGeometry> loadBagRobots(const BagFiles& files, const MonitorParamet
           setSrdfs(described, srdfs, &robot);
           return robot;
         },
-        warn);
+        &rejections);
+    for (const Recorded<std::string>& one : rejections) {
+      warn("the link meshes that were recorded at " + stampText(one.received) +
+           " are rejected, so every link is UNKNOWN until the next ones: " + one.value);
+    }
+    return withRejections(robots, rejections);
   }
   *from = files.robot_description.empty() ? "the bags' robot_description" : files.robot_description;
-  return robotsOf<Descriptions>(
+  History<RobotGeometry> robots = robotsOf<Descriptions>(
       descriptionsOf(files, contents, parameters, srdfs), parameters,
       [&](const Descriptions& robots) {
         try {
@@ -139,7 +160,11 @@ History<RobotGeometry> loadBagRobots(const BagFiles& files, const MonitorParamet
           throw std::runtime_error(error.what());
         }
       },
-      warn);
+      &rejections);
+  for (const Recorded<std::string>& one : rejections) {
+    warn("the robot that was recorded at " + stampText(one.received) + " is not used: " + one.value);
+  }
+  return robots;
 }
 
 // TF has priority: only frames that it does not have are added.

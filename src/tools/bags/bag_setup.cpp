@@ -214,6 +214,7 @@ void warnOfRobots(const BagSetup& setup, const Warn& warn) {
   const MonitorParameters& parameters = setup.parameters;
   std::set<std::string> warned;
   for (const Recorded<RobotGeometry>& robot : setup.robots) {
+    if (isWithoutShapes(robot.value)) continue;  // loadBagRobots() said why
     std::vector<std::string> lines = robotWarnings(robot.value, parameters);
     for (const std::string& line : describeUnknownNames(parameters, parameters.allowed_contacts,
                                                         bodiesOf(robot.value, parameters))) {

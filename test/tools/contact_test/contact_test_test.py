@@ -10,6 +10,8 @@ import unittest
 import rospy
 from deformable_contact_monitor.msg import ContactState, ContactStates
 
+from deformable_contact import _contact_judge
+
 sys.dont_write_bytecode = True  # beside the tool
 TOOL = pathlib.Path(__file__).resolve().parents[3] / "src/tools/contact_test/contact_test"
 
@@ -173,6 +175,7 @@ class Distances(unittest.TestCase):
                             ({"min_pairs": 2}, "min_pairs is set, which"),
                             ({"within_s": 2}, "within_s is set, which"),
                             ({"object": "palm"}, "no distance from itself"),
+                            ({"object": "palm:pad"}, "no distance from itself"),
                             ({"keeps_m": 0}, "keeps_m must be a number"),
                             ({"keeps_m": "far"}, "keeps_m must be a number")):
             with self.assertRaisesRegex(ValueError, words):
@@ -304,6 +307,52 @@ class Verdicts(unittest.TestCase):
             self.assertFalse(verdict.passed)
 
 
+    def test_meshes_may_come_as_seldom_as_the_monitor_allows(self):
+        self.assertEqual(_contact_judge.time_jump_s({}), 5)
+        self.assertEqual(_contact_judge.time_jump_s({"max_mesh_age_s": 12.0}), 13)
+        verdict = contact_test.Judge(contact_test.parse({**PAIR, "state": "none", "hold_s": 12}))
+        verdict.time_jump_s = 13
+        for stamp_s in (T0, T0 + 6, T0 + 12):
+            verdict.take(message(stamp_s, NONE), 0)
+        self.assertTrue(verdict.passed)
+
+    def test_a_state_with_an_older_stamp_holds_from_the_newest_one_on(self):
+        for before_s, before in ((T0 + 4, NONE), (T0 + 4, UNKNOWN)):
+            verdict = contact_test.Judge(
+                contact_test.parse({**PAIR, "state": "contact", "hold_s": 2}))
+            verdict.take(message(T0, NONE), 0)
+            verdict.take(message(before_s, before), 0)
+            for quarters in range(4, 25):  # the clock went back, or a mesh came late
+                verdict.take(message(T0 + quarters / 4, CONTACT, 1), 0)
+                self.assertEqual(verdict.passed, quarters >= 24, quarters)
+
+
+class Settings(unittest.TestCase):
+
+    def check(self, parameters, wanted, expected):
+        found = _contact_judge.settings_problem(contact_test.parse({**PAIR, **wanted}), parameters)
+        self.assertRegex(found, expected if expected else r"\A\Z")
+
+    def test_a_margin_below_the_distance_proves_nothing(self):
+        self.check({"margin_m": 0.2}, {"keeps_m": 0.25}, "^margin too small: .* of 0.2 m")
+        self.check({"margin_m": 0.25}, {"keeps_m": 0.25}, "")
+        self.check({"margin_m": 0.7}, {"keeps_m": 0.7}, "")  # both are float32
+
+    def test_near_pairs_are_no_contacts(self):
+        for state, pairs, problem in (("contact", 1, "^pairs not counted: min_pairs .*near_pairs"),
+                                      ("contact", 0, ""), ("near", 1, "")):
+            self.check({"near_pairs": True}, {"state": state, "min_pairs": pairs}, problem)
+            self.check({"near_pairs": False}, {"state": state, "min_pairs": pairs}, "")
+
+    def test_pairs_that_were_not_found_do_not_count(self):
+        for name in ("budget_ms", "tolerance_m"):
+            self.check({name: 0.5}, {"state": "contact", "max_pairs": 3},
+                       f"^pairs not counted: max_pairs .*{name}")
+            self.check({name: 0.5}, {"state": "contact", "min_pairs": 3}, "")
+            self.check({name: 0}, {"state": "contact", "max_pairs": 3}, "")
+            self.check({name: "fast"}, {"state": "contact", "max_pairs": 3}, "")
+
+
 class Reasons(unittest.TestCase):
     """In the monitor's words: src/monitor/input/mesh_input.cpp, transform_lookup.cpp, monitor_scene.cpp."""
 
@@ -319,6 +368,9 @@ class Reasons(unittest.TestCase):
                 ("TF from 'palm' to 'base' is late: wanted 3, none available yet", "TF late"),
                 ("TF from 'palm' to 'base' no longer reaches back: wanted 1", "TF late"),
                 ("disabled", "monitor disabled"),
+                ("12 of 12 triangles have a vertex that is not finite", "mesh incomplete"),
+                ("left: 3 of 9 triangles have a vertex that is not finite", "mesh incomplete"),
+                ("marker 'cloth'/0 was deleted", "mesh deleted"),
                 ("cannot read lost.stl: TF frame never seen", "body unusable")):
             state = ContactState(body_a="palm", body_b="cloth", reason=f"palm: {reason}")
             self.assertEqual(contact_test.why_unknown(state), (phrase, f"palm: {reason}"))
@@ -326,7 +378,12 @@ class Reasons(unittest.TestCase):
     def test_of_no_body(self):
         for reason, phrase in (("no new mesh within max_mesh_age_s", "mesh stale"),
                                ("busy: a cycle has been running for 2 s", "monitor busy"),
-                               ("not looked at yet", "monitor reset"), ("", "state unknown")):
+                               ("not looked at yet", "monitor reset"), ("", "state unknown"),
+                               ("not decided in time", "monitor too slow"),
+                               ("detection failed: no memory", "detection failed"),
+                               ("contacts were left out: memory_limit_mib", "memory limit"),
+                               ("the cycle ended later than max_mesh_age_s after its stamp",
+                                "monitor too slow")):
             state = ContactState(body_a="palm", body_b="cloth", reason=reason)
             self.assertEqual(contact_test.why_unknown(state)[0], phrase)
 

@@ -251,6 +251,21 @@ TEST(ExpectationJudge, NearPairsAreNotCounted) {
   }
 }
 
+// The state of a body with its own part is about self-contact.
+TEST(ExpectationJudge, NoDistanceIsKnownWithinABody) {
+  const std::vector<std::pair<std::string, std::string>> within = {
+      {"cloth", "cloth"}, {"cloth", "cloth:hem"}, {"cloth:hem", "cloth:collar"}};
+  std::vector<Expectation> expectations(within.size() + 1);
+  for (std::size_t i = 0; i < expectations.size(); ++i) {
+    expectations[i].keeps_m = 0.01;
+    std::tie(expectations[i].link, expectations[i].object) =
+        i < within.size() ? within[i] : std::pair<std::string, std::string>{"cloth2", "cloth:hem"};
+  }
+  checkMargins([](const std::string&) { return 0.02; }, false, &expectations);
+  for (std::size_t i = 0; i < within.size(); ++i) EXPECT_NE(expectations[i].problem, "") << i;
+  EXPECT_EQ(expectations.back().problem, "");
+}
+
 // Bounds of a time belong to it, and a gap is longer than max_mesh_age_s, although decimals are no
 // doubles.
 TEST(ExpectationJudge, TimesAreThoseThatPeopleWrite) {

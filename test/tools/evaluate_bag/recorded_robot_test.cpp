@@ -41,17 +41,39 @@ TEST(RecordedRobot, AnotherRobotEndsContacts) {
   EXPECT_EQ(found.events[1].reason, "robot changed");
 }
 
-TEST(RecordedRobot, LinkMeshesThatCannotBeUsedLeaveTheRobotAsItWas) {
+// As in the node, whose links are UNKNOWN until the next message.
+TEST(RecordedRobot, LinkMeshesThatAreRejectedHideTheLinks) {
   WrittenBag bag;
   bag.camera(0, 0);
   bag.links(0, 0);
   bag.meshes(1, 3);
   bag.links(kPeriod * 4, 5, "finger");
   bag.meshes(4, 3);
+  bag.links(kPeriod * 7, 0);
+  bag.meshes(7, 2);
   Found found = evaluate(&bag);
-  EXPECT_EQ(found.states["cloth"], "CCCCCC");
+  EXPECT_EQ(found.states["cloth"], "CCC???CC");
   ASSERT_EQ(found.warnings.size(), 1U);
   EXPECT_NE(found.warnings[0].find("'finger' was sent twice"), std::string::npos);
+}
+
+// What holds before the first message that can be used is not known.
+TEST(RecordedRobot, LinkMeshesThatAreRejectedFirstHideTheLinks) {
+  WrittenBag bag;
+  bag.camera(0, 0);
+  bag.links(0, 5, "finger");
+  bag.meshes(1, 3);
+  bag.links(kPeriod * 4, 0);
+  bag.meshes(4, 3);
+  EXPECT_EQ(statesOf(&bag), "???CCC");
+}
+
+TEST(RecordedRobot, LinkMeshesThatAreAllRejectedAreAnError) {
+  WrittenBag bag;
+  bag.camera(0, 0);
+  bag.links(0, 0, "finger");
+  bag.meshes(1, 3);
+  EXPECT_THROW(evaluate(&bag), std::runtime_error);
 }
 
 TEST(RecordedRobot, ARobotDescriptionHoldsFromItsRecordingOn) {
