@@ -44,10 +44,19 @@ class WarmDetectors {
     makeFirst();
     choose(scene, options.motion);
     Warm& warm = all_.front();
-    const DetectionResult& result = warm.detector->detect(scene, options);
-    // Memory never shrinks, but a cycle that is cut off at once does not count it.
-    warm.detector_bytes = std::max(warm.detector_bytes, result.detector_bytes);
-    return result;
+    if (std::exchange(warm.has_failed, false)) {
+      warm.detector = make_();
+      warm.detector_bytes = 0;
+    }
+    try {
+      const DetectionResult& result = warm.detector->detect(scene, options);
+      // Memory never shrinks, but a cycle that is cut off at once does not count it.
+      warm.detector_bytes = std::max(warm.detector_bytes, result.detector_bytes);
+      return result;
+    } catch (const std::runtime_error& error) {
+      warm.has_failed = faultOf(error) == BackendFault::kTransient;
+      throw;
+    }
   }
 
  private:
@@ -57,6 +66,7 @@ class WarmDetectors {
     std::uint64_t pairs_revision;  // of the last scene with these pairs; 0: it never ran
     std::unique_ptr<Detector> detector;
     std::uint64_t detector_bytes;
+    bool has_failed = false;  // it may ask for the same memory again, so another one takes its place
   };
 
   // Moves the detector of the scene's pairs to the front.

@@ -62,7 +62,8 @@ struct PoolSettings {
 // Failures. If the device's maker or detector throws a std::runtime_error and there is a CPU maker,
 // the CPU runs that same cycle. What follows depends on BackendError::fault(); any other
 // std::runtime_error counts as kTransient.
-// - kTransient: the device's detectors are destroyed, and made again at the retry time.
+// - kTransient: the device's detectors are destroyed, and made again at the retry time. Without a
+//   CPU maker, the next detect() makes a new one in the place of the one that failed.
 // - kSticky, kUnavailable: the device is never used again.
 // - kSceneTooLarge: the device still runs scenes with fewer triangles in bodies that take part, and
 //   larger ones from the retry time on.

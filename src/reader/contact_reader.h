@@ -247,7 +247,9 @@ class ContactReader {
     if (newest_.header.stamp.isZero()) return "the monitor has no clock: its stamp is zero";
     const double silent_s = seconds(now, received_);
     // Once it went back, it will come to the old times again, and the states belong to the first.
-    if (silent_s < -kClockSlackS) went_back_ = text("ROS time went back by %.3f s", -silent_s);
+    if (silent_s < -kClockSlackS && went_back_.empty()) {
+      went_back_ = text("ROS time went back by %.3f s", -silent_s);
+    }
     if (!went_back_.empty()) return went_back_;
     return silent_s > rules_.max_age_s ? text("no states came for %.3f s", silent_s) : "";
   }

@@ -95,6 +95,23 @@ TEST_F(Fallback, RunsTheFirstWhileItWorks) {
   EXPECT_TRUE(told_.empty());
 }
 
+// A detector that ran out of memory keeps asking for as much.
+TEST_F(Fallback, WithoutASecondAFailureIsNotForGood) {
+  PoolSettings settings;
+  settings.device = [this] { return std::make_unique<DeviceDetector>(&device_); };
+  detector_ = makeDetectorPool(settings);
+  for (const BackendFault fault : {BackendFault::kTransient, BackendFault::kSceneTooLarge}) {
+    const int made = device_.made;
+    device_.fails(fault);
+    EXPECT_THROW(detector_->detect(scene_, Options()), BackendError);
+    EXPECT_EQ(detector_->backend(), "device");
+    device_.detect_fails = nullptr;
+    EXPECT_EQ(detect(), "device");
+    EXPECT_EQ(device_.made, made + (fault == BackendFault::kTransient ? 1 : 0));
+    EXPECT_EQ(device_.alive, 1);
+  }
+}
+
 TEST_F(Fallback, APoolWithoutMakersIsRefused) {
   EXPECT_THROW(makeDetectorPool({}), std::invalid_argument);
 }

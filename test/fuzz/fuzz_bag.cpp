@@ -19,6 +19,7 @@
 #include "scratch_file.h"
 #include "tools/bags/bag_cycles.h"
 #include "tools/bags/bag_messages.h"
+#include "tools/bags/bag_records.h"
 #include "tools/bags/bag_setup.h"
 #include "tools/evaluate_bag/evaluation_run.h"
 

@@ -18,6 +18,7 @@
 #include "core/vector3.h"
 #include "monitor/rules/rule_texts.h"
 #include "monitor/state/pair_state.h"
+#include "monitor/state/rejected_sides.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -236,16 +237,18 @@ std::optional<Marker> textOver(const CycleReport& report, BodyId id, double life
 }
 
 // Adds a text over each object that triggered the cycle and is UNKNOWN.
-void addReasons(const CycleReport& report, double lifetime_s, std::vector<Marker>* markers) {
+void addReasons(const CycleReport& report, const MarkerOptions& options,
+                std::vector<Marker>* markers) {
   if (report.scene == nullptr) return;
   for (BodyId id = 0; id < report.bodies.size(); ++id) {
     const BodyStatus& body = report.bodies[id];
     if (body.kind != BodyKind::kDeformable || !body.triggered) continue;
-    if (body.unknown_because.empty()) continue;
+    const std::string why = whyUnknown(report, id, options.rules.tolerated_rejects);
+    if (why.empty()) continue;
     std::optional<Marker> text =
-        textOver(report, id, std::max(lifetime_s, kUnknownLifetimeS), unknownKey(id));
+        textOver(report, id, std::max(options.lifetime_s, kUnknownLifetimeS), unknownKey(id));
     if (!text) continue;
-    text->text = body.name + " is UNKNOWN: " + body.unknown_because;
+    text->text = body.name + " is UNKNOWN: " + why;
     markers->push_back(std::move(*text));
   }
 }
@@ -263,7 +266,7 @@ visualization_msgs::MarkerArray ContactMarkers::make(const CycleReport& report) 
   addLines(report, options_, &markers);
   addWitnesses(report, options_, &markers);
   addNearest(report, options_, &markers);
-  addReasons(report, options_.lifetime_s, &markers);
+  addReasons(report, options_, &markers);
   std::set<MarkerKey> gone = drawnOfCycle(report);
   for (const Marker& marker : markers) {
     gone.erase({marker.ns, marker.id});

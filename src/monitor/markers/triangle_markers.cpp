@@ -10,6 +10,7 @@
 
 #include "core/common/posed_body.h"
 #include "core/predicates/triangle.h"
+#include "monitor/state/rejected_sides.h"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -231,8 +232,8 @@ std::vector<BodyId> drawnBodies(const CycleReport& report) {
   return drawn;
 }
 
-std_msgs::ColorRGBA surfaceColor(const BodyStatus& body, float alpha) {
-  if (!body.unknown_because.empty()) return makeColor(0.5F, 0.5F, 0.5F, alpha);
+std_msgs::ColorRGBA surfaceColor(const BodyStatus& body, bool is_known, float alpha) {
+  if (!is_known) return makeColor(0.5F, 0.5F, 0.5F, alpha);
   return body.kind == BodyKind::kRigid ? makeColor(0.7F, 0.6F, 0.45F, alpha)
                                        : makeColor(0.45F, 0.7F, 1, alpha);
 }
@@ -251,7 +252,7 @@ void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* marker
   budget -= contacts.addPassed(budget, markers);
   for (const BodyId id : drawnBodies(report)) {
     const BodyStatus& body = report.bodies[id];
-    const bool is_known = body.unknown_because.empty();
+    const bool is_known = whyUnknown(report, id, options_.rules.tolerated_rejects).empty();
     if (is_known) budget -= contacts.addHeld(id, budget, markers);
     const TriangleSet* const highlighted = contacts.highlighted(id);
     const TriangleMesh& mesh = report.scene->body(id).mesh;
@@ -264,7 +265,7 @@ void TriangleMarkers::add(const CycleReport& report, std::vector<Marker>* marker
         report, is_known ? options_.lifetime_s : std::max(options_.lifetime_s, kUnknownLifetimeS),
         surfaceKey(report, id), Marker::TRIANGLE_LIST);
     marker.points.reserve(is_whole ? 3 * rest : corners.size());
-    marker.color = surfaceColor(body, options_.surface_alpha);
+    marker.color = surfaceColor(body, is_known, options_.surface_alpha);
     const std::vector<PartId>& pieces = report.scene->body(id).parts;
     const bool shows_parts = is_whole && is_known && !pieces.empty() && body.parts != nullptr;
     const PosedBody posed(report.scene->body(id));

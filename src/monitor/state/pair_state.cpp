@@ -116,12 +116,13 @@ class StampFinding {
 };
 
 // A detection that was cut off may not have looked at all of a pair, unless its bounds decide the
-// pair. What it found to touch does.
+// pair. What it found to touch does. A body has no distance from itself, so of self-contact, listed
+// pairs that do not touch do not count.
 StampFinding::StampFinding(const CycleReport& report, const MonitoredPair& pair,
                            const PairSummary& summary, const StateRules& rules)
     : report_(report),
       pair_(pair),
-      summary_(summary),
+      summary_(pair.a != pair.b || summary.touches() ? summary : PairSummary()),
       rules_(rules),
       inside_(insidePartsOf(report, pair)),
       bounds_(boundsOf(report, pair, rules.tolerance_m)),

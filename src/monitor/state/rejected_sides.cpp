@@ -9,13 +9,17 @@ namespace {
 
 // Returns why NONE and NEAR must not be claimed of something with so many rejected triangles; empty
 // if the rules tolerate them.
-std::string rejectsProblem(const std::string& name, std::uint64_t rejected, std::size_t triangles,
-                           double tolerated_rejects, const char* where) {
+std::string rejectsProblem(std::uint64_t rejected, std::size_t triangles,
+                           double tolerated_rejects) {
   if (static_cast<double>(rejected) <= tolerated_rejects * static_cast<double>(triangles)) {
     return "";
   }
-  return name + ": " + where + std::to_string(rejected) + " of " + std::to_string(triangles) +
+  return std::to_string(rejected) + " of " + std::to_string(triangles) +
          " triangles have a vertex that is not finite (tolerated_rejects)";
+}
+
+std::string of(const std::string& name, const Rejects& rejects, const std::string& problem) {
+  return problem.empty() ? "" : name + ": " + rejects.where + problem;
 }
 
 // Answers about one side of a pair: which pieces of its body are compared with anything of the
@@ -55,7 +59,7 @@ class Side {
       rejected += rejects.by_part.empty() ? 0 : rejects.by_part.at(piece);
       triangles += body_.parts->triangles.at(piece);
     }
-    return rejectsProblem(nameOf(body_, part), rejected, triangles, tolerated, rejects.where);
+    return of(nameOf(body_, part), rejects, rejectsProblem(rejected, triangles, tolerated));
   }
 
  private:
@@ -75,8 +79,8 @@ std::string rejectsProblem(const CycleReport& report, const MonitoredPair& pair,
   const Side side(report, pair, is_a);
   if (in_scene.parts.empty()) {
     if (body.partCount() > 0 && !side.takesPart(0)) return body.name + ": " + body.parts->problem;
-    return rejectsProblem(body.name, rejects.all, in_scene.mesh.triangleCount(), tolerated,
-                          rejects.where);
+    return of(body.name, rejects,
+              rejectsProblem(rejects.all, in_scene.mesh.triangleCount(), tolerated));
   }
   // Two parts have no state of their own, so this one stands for all parts.
   const bool needs_all = part == 0 && (is_a ? pair.part_b : pair.part_a) != 0 && rejects.all > 0;
@@ -97,6 +101,13 @@ std::string rejectsProblem(const CycleReport& report, const MonitoredPair& pair,
   // No triangle is compared: those that should be are of parts that nobody knows.
   const bool is_unknown = body.parts != nullptr && !body.parts->problem.empty();
   return problem.empty() && is_unknown ? body.name + ": " + body.parts->problem : problem;
+}
+
+std::string whyUnknown(const CycleReport& report, BodyId id, double tolerated_rejects) {
+  const BodyStatus& body = report.bodies.at(id);
+  const Body& in_scene = report.scene->body(id);
+  if (!body.unknown_because.empty() || !in_scene.parts.empty()) return body.unknown_because;
+  return rejectsProblem(body.rejected, in_scene.mesh.triangleCount(), tolerated_rejects);
 }
 
 }  // namespace deformable_contact_monitor

@@ -2,13 +2,12 @@
 import collections
 import math
 import re
-import struct
 import types
 
 import rosgraph
 from deformable_contact_monitor.msg import ContactState
 
-from .contact_reader import certain_distance, is_of, margin_of, margins_of
+from .contact_reader import certain_distance, is_of, margin_of, margins_of, to_float32
 
 STATES = {name: getattr(ContactState, name.upper())
           for name in ("none", "near", "contact", "allowed", "unknown", "passed")}
@@ -91,10 +90,6 @@ def finished(wanted, problems):
     # The monitor has distances and margins as float32.
     wanted.keeps_m = to_float32(wanted.keeps_m)
     return wanted
-
-
-def to_float32(number):
-    return struct.unpack("f", struct.pack("f", number))[0]
 
 
 def settings_matter(wanted):

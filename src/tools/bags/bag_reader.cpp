@@ -19,6 +19,7 @@
 #include <deque>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <system_error>
@@ -31,12 +32,9 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// The size of an entry in a chunk's list of connections [bytes].
-constexpr std::uint32_t kChunkInfoEntry = 8;
-
-using Counts = std::map<std::uint32_t, std::uint64_t>;  // messages of each connection
-
-constexpr int kPatienceMs = 60000;  // without a byte from the child: then it counts as crashed
+// The child counts as crashed if it has sent no byte for so long [ms]. Before its first byte, it opens
+// all bags, which takes some seeks for each chunk of some 0.8 MB.
+constexpr std::uintmax_t kPatienceMs = 60000, kBytesPerMs = 50000;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr rlim_t kMemory = RLIM_INFINITY;  // sanitizers reserve terabytes of addresses
 #else
@@ -307,44 +305,6 @@ void readAll(int pipe, const std::vector<std::string>& paths, const BagSelection
 
 std::string absoluteTopic(const std::string& name) { return ros::names::clean("/" + name); }
 
-// Counts the messages of each connection twice: in the indices behind the chunks, and in the list
-// of chunks at the end of the bag. Both, and the numbers in the bag's header, must agree.
-void checkBagIndex(const std::string& path) {
-  RecordFile file(path);
-  std::map<char, std::uint64_t> records;  // by op
-  std::uint64_t chunks = 0, connections = 0;
-  Counts in_indices, in_chunk_list;
-  RecordFields fields;
-  std::uint32_t size = 0;
-  while (file.next(&fields, &size)) {
-    const std::string op = fields["op"];
-    if (op.size() != 1) RecordFile::fail();
-    ++records[op[0]];
-    const std::string data = op[0] == RecordFile::kChunkInfo ? file.bytes(size) : "";
-    if (op[0] != RecordFile::kChunkInfo) file.skip(size);
-    if (op[0] == RecordFile::kBagHeader) {
-      chunks = RecordFile::numberAt(fields["chunk_count"], 0);
-      connections = RecordFile::numberAt(fields["conn_count"], 0);
-    } else if (op[0] == RecordFile::kIndexData) {
-      const std::uint64_t count = RecordFile::numberAt(fields["count"], 0);
-      if (size != count * RecordFile::kIndexEntry) RecordFile::fail();
-      in_indices[RecordFile::numberAt(fields["conn"], 0)] += count;
-    } else if (op[0] == RecordFile::kChunkInfo) {
-      const std::uint64_t count = RecordFile::numberAt(fields["count"], 0);
-      if (size != count * kChunkInfoEntry) RecordFile::fail();
-      for (std::size_t at = 0; at < data.size(); at += kChunkInfoEntry) {
-        in_chunk_list[RecordFile::numberAt(data, at)] += RecordFile::numberAt(data, at + 4);
-      }
-    }
-  }
-  // A message that only one of the lists has would be lost silently.
-  if (in_indices != in_chunk_list || records[RecordFile::kChunk] != chunks ||
-      records[RecordFile::kChunkInfo] != chunks ||
-      records[RecordFile::kConnection] != connections) {
-    throw std::runtime_error("what it says about itself does not agree");
-  }
-}
-
 bool BagSelection::has(const std::string& topic, const std::string& type) const {
   const auto of_topic = types_of_topics.find(absoluteTopic(topic));
   return types.count(type) > 0 || (of_topic != types_of_topics.end() && of_topic->second == type);
@@ -353,6 +313,14 @@ bool BagSelection::has(const std::string& topic, const std::string& type) const 
 // Pipes are closed on exec, so that programs which this process starts do not keep them open.
 BagReader::BagReader(std::vector<std::string> paths, BagSelection selection)
     : paths_(std::move(paths)), selection_(std::move(selection)) {
+  std::uintmax_t bytes = 0;
+  for (const std::string& path : paths_) {
+    std::error_code none;  // openBag() tells what is wrong with a path
+    const std::uintmax_t size = std::filesystem::file_size(path, none);
+    if (!none) bytes += size;
+  }
+  constexpr std::uintmax_t kMostMs = std::numeric_limits<int>::max();
+  patience_ms_ = static_cast<int>(std::min(kPatienceMs + bytes / kBytesPerMs, kMostMs));
   int requests[2], messages[2];
   if (pipe2(requests, O_CLOEXEC) != 0 || pipe2(messages, O_CLOEXEC) != 0) {
     throw std::system_error(errno, std::generic_category(), "no pipe to a reader of bags");
@@ -399,7 +367,7 @@ bool BagReader::receive(void* data, std::size_t size) {
   char* at = static_cast<char*>(data);
   while (size > 0) {
     pollfd waiting{messages_, POLLIN, 0};
-    const int ready = poll(&waiting, 1, kPatienceMs);
+    const int ready = poll(&waiting, 1, patience_ms_);
     if (ready < 0 && errno == EINTR) continue;
     if (ready <= 0) return false;
     const ssize_t count = ::read(messages_, at, size);
@@ -426,7 +394,9 @@ std::string BagReader::read(const std::function<void(const BagMessage&)>& visit)
   while (receive(&header, sizeof header)) {
     gone_ = false;
     // The child may be damaged by the bag, so its lengths are checked too.
-    if (header.bytes > kLongest) break;
+    const std::uint64_t texts =
+        std::uint64_t{header.topic} + header.type + header.md5 + header.publisher;
+    if (texts + header.bytes > kLongest) break;
     if (header.kind == Header::kTopic) {
       const std::string topic = absoluteTopic(receiveText(header.topic));
       topics_[topic] = receiveText(header.type);

@@ -74,11 +74,7 @@ class BagReader {
   pid_t process_ = -1;
   int requests_ = -1, messages_ = -1;  // this process's ends of the pipes
   bool gone_ = false;                  // the child ended, or must not be asked again
+  int patience_ms_ = 0;                // how long the child may be silent
 };
-
-// Compares the counts that a bag states with the records that are there. rosbag's library trusts
-// the counts, so a damaged one would silently lose messages. Reads only the records' headers.
-// Throws std::runtime_error, one line, if the two differ or a record does not end where it should.
-void checkBagIndex(const std::string& path);
 
 }  // namespace deformable_contact_monitor

@@ -76,4 +76,9 @@ class RecordFile {
   std::uint64_t size_ = 0;
 };
 
+// Compares the counts that a bag states with the records that are there. rosbag's library trusts
+// the counts, so a damaged one would silently lose messages. Reads only the records' headers.
+// Throws std::runtime_error, one line, if the two differ or a record does not end where it should.
+void checkBagIndex(const std::string& path);
+
 }  // namespace deformable_contact_monitor

@@ -276,6 +276,17 @@ void refuseSingleRobot(const BagFiles& files) {
   refuse("--frame-prefix", files.frame_prefix);
 }
 
+// Forgets the meshes on topics that no object has, which the node would not receive.
+void dropOtherMeshes(const MonitorParameters& parameters, BagContents* contents) {
+  std::set<std::string> topics;
+  for (const ObjectParameters& object : parameters.objects) topics.insert(topicOf(object));
+  const auto is_other = [&topics](const BagContents::Mesh& mesh) {
+    return topics.count(mesh.topic) == 0;
+  };
+  std::vector<BagContents::Mesh>& meshes = contents->meshes;
+  meshes.erase(std::remove_if(meshes.begin(), meshes.end(), is_other), meshes.end());
+}
+
 }  // namespace
 
 MonitorParameters readBagParameters(const BagFiles& files, const Warn& warn) {
@@ -346,6 +357,7 @@ BagSetup setUpBags(const BagFiles& files, const MonitorParameters& configured,
     setup.played = playedObject(object, setup);
   }
   checkObjects(files, *contents, setup, warn);
+  dropOtherMeshes(parameters, contents);
   return setup;
 }
 

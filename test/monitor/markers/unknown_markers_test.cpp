@@ -43,6 +43,26 @@ TEST(UnknownMarkersTest, TheLastMeshStaysInGreyWithTheReasonOverIt) {
   EXPECT_EQ(actions(markers.make(sample.report)), (Actions{"-unknown", "arm/hand/cloth", "cloth"}));
 }
 
+// All pairs of such an object are UNKNOWN, unless so many rejected triangles are tolerated.
+TEST(UnknownMarkersTest, HiddenTrianglesAreAReason) {
+  for (const double tolerated : {0.0, 0.5}) {
+    SampleReport sample;
+    sample.report.bodies[2].rejected = 1;
+    MarkerOptions options;
+    options.rules.tolerated_rejects = tolerated;
+    const MarkerArray array = ContactMarkers(options).make(sample.report);
+    const Marker& surface = markerOf(array, "cloth");
+    EXPECT_EQ(surface.color.r == surface.color.b, tolerated == 0);
+    if (tolerated > 0) {
+      EXPECT_THROW(markerOf(array, "unknown"), std::runtime_error);
+    } else {
+      EXPECT_EQ(markerOf(array, "unknown").text,
+                "cloth is UNKNOWN: 1 of 3 triangles have a vertex that is not finite "
+                "(tolerated_rejects)");
+    }
+  }
+}
+
 // Returns the luminance of a color with components in [0, 1], as WCAG 2 defines it.
 double luminance(double r, double g, double b) {
   const auto linear = [](double c) {

@@ -73,6 +73,22 @@ TEST_F(NearStatesTest, APairWithoutANearestPairIsNone) {
   EXPECT_EQ(toVector(state.normal), Vec3f());
 }
 
+// With near_pairs, pairs of one body's own triangles are listed as well.
+TEST_F(NearStatesTest, ABodyHasNoDistanceFromItself) {
+  sample_.report.pairs.push_back({2, 2, false});
+  const std::size_t cloth_itself = sample_.report.pairs.size() - 1;
+  sample_.result.nearest.clear();
+  sample_.result.contacts = {{2, 0, 2, 2}, {2, 1, 2, 2}};
+  sample_.result.separations_m = {0.25F, 0.5F};
+  const ContactState state = look(cloth_itself);
+  EXPECT_EQ(state.state, ContactState::NONE);
+  EXPECT_EQ(state.min_separation, std::numeric_limits<float>::infinity());
+  EXPECT_EQ(state.pair_count, 0U);
+  sample_.result.separations_m = {0.25F, 0};
+  EXPECT_EQ(look(cloth_itself).state, ContactState::CONTACT);
+  EXPECT_EQ(look(cloth_itself).min_separation, 0);
+}
+
 TEST_F(NearStatesTest, WhatWasCutOffIsNeitherNearNorNone) {
   sample_.result.cutOff(kNoTime);
   for (const std::size_t pair : {kHandCloth, kBaseCloth}) {
