@@ -247,7 +247,7 @@ void warnOfLiveNode(const BagContents& contents, const MonitorParameters& parame
     warn("meshes that were recorded more than max_mesh_age_s (" +
          formatted("%g", parameters.max_mesh_age_s) +
          " s) after their stamps: " + std::to_string(late) + ", by " + formatted("%.3f", latest_s) +
-         " s at most; the node would have refused them, and said UNKNOWN");
+         " s at most; the live node would have rejected them, and reported UNKNOWN");
   }
   if (parameters.pair_classes.needRobotCycles()) {
     warn("pairs of links, and of links with rigid objects, are not evaluated: they stay UNKNOWN");

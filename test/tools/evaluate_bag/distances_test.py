@@ -56,20 +56,26 @@ class Distances(unittest.TestCase):
             file.write(content)
         return self.path(name)
 
-    def bag(self, lost_from):
-        """From that index on, nobody knows the frame of the tip's mesh."""
+    def bag(self, lost_from, late=None):
+        """From that index on, nobody knows the frame of the tip's mesh. late: a topic whose first
+        mesh was recorded last."""
         with rosbag.Bag(self.path("run.bag"), "w") as bag:
             for i, height in enumerate(HEIGHTS):
                 stamp = rospy.Time.from_sec(START_S + i * PERIOD_S)
                 bag.write("/floor", mesh("floor", stamp, ((0, 0, 0), (8, 0, 0), (0, 8, 0))), stamp)
                 bag.write("/tip", mesh("tip", stamp, tip_at(height),
                                        "world" if i < lost_from else "lost"), stamp)
+            if late:
+                stamp = rospy.Time(START_S)
+                last = stamp + rospy.Duration((len(HEIGHTS) - 1) * PERIOD_S)
+                bag.write(late, mesh(late[1:], stamp, tip_at(1)), last)
         return self.path("run.bag")
 
-    def evaluate(self, *arguments, margin_m=1, lost_from=len(HEIGHTS), code=0, report=False):
+    def evaluate(self, *arguments, margin_m=1, lost_from=len(HEIGHTS), late=None, code=0,
+                 report=False):
         config = self.text("config.yaml", CONFIG % margin_m)
         done = subprocess.run(
-            [TOOL, self.bag(lost_from), "--out", self.path("out"), "--config", config, *arguments,
+            [TOOL, self.bag(lost_from, late), "--out", self.path("out"), "--config", config, *arguments,
              *([] if report else ["--no-report"])],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True,
             check=False)
@@ -95,6 +101,11 @@ class Distances(unittest.TestCase):
         self.assertEqual([float(near[key]) for key in ("ax", "ay", "az", "bx", "by", "bz")],
                          [1, 2, 0, 1, 2, .5])
         self.assertEqual([float(near[key]) for key in ("nx", "ny", "nz")], [0, 0, 1])
+
+    def test_meshes_that_came_late_are_named_if_the_node_would_receive_them(self):
+        warning = r"after their stamps: 1, by 0\.875 s at most; the live node would have rejected them"
+        self.assertRegex(self.evaluate(late="/tip").stderr, warning)
+        self.assertNotIn("after their stamps", self.evaluate(late="/other").stderr)
 
     def test_fcl_has_distances_but_no_near_pairs(self):
         with open(self.path("near.yaml"), "w") as file:
