@@ -32,6 +32,7 @@ enum class WithoutCuda {
   kRefuse,    // BackendError is thrown. For measurements, where "cuda" must mean CUDA.
 };
 
+// Which CUDA devices run, and how much memory they may use.
 struct CudaSettings {
   int device = 0;
   // If not empty, replaces `device`. Several devices share each cycle of a scene that is large

@@ -11,6 +11,7 @@
 
 namespace deformable_contact_monitor {
 
+// What a detector on the CPU may use, and what it shares with others.
 struct CpuSettings {
   // Upper bound of the memory for lists of contacts [bytes]. Contacts beyond it are counted
   // (DetectionResult::left_out), but not listed.

@@ -66,7 +66,8 @@ class WarmDetectors {
     std::uint64_t pairs_revision;  // of the last scene with these pairs; 0: it never ran
     std::unique_ptr<Detector> detector;
     std::uint64_t detector_bytes;
-    bool has_failed = false;  // it may ask for the same memory again, so another one takes its place
+    bool has_failed =
+        false;  // it may ask for the same memory again, so another one takes its place
   };
 
   // Moves the detector of the scene's pairs to the front.

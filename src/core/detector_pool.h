@@ -28,6 +28,7 @@ struct RetryTimes {
   std::function<SteadyTime()> now = std::chrono::steady_clock::now;
 };
 
+// The backends of a pool, and what happens when the device fails.
 struct PoolSettings {
   // Makes detectors on a device such as a GPU. Empty: the CPU does everything.
   DetectorMaker device;

@@ -78,8 +78,8 @@ Body& Scene::checkedBody(BodyId id, std::size_t vertex_count, const float* verti
                                 std::to_string(body.mesh.vertexCount()));
   }
   if (vertices == nullptr && vertex_count > 0) {
-    throw std::invalid_argument(body.name + ": its " + std::to_string(vertex_count) +
-                                " vertices are said to be at a null pointer");
+    throw std::invalid_argument(body.name + ": the pointer to its " + std::to_string(vertex_count) +
+                                " vertices is null");
   }
   return body;
 }

@@ -165,7 +165,8 @@ struct CycleReport {
   std::vector<MonitoredPair> pairs;       // of bodies
   std::vector<MonitoredPair> part_pairs;  // of a named part of one body with the other body
   // The pieces of bodies that rules leave out of pairs that are not `allowed`, in the order of
-  // `pairs`; null: none. Another list where anything about it may have changed.
+  // `pairs`; null: none. A new list is made whenever it may have changed, so pointers can be
+  // compared.
   std::shared_ptr<const std::vector<PartPair>> allowed_parts;
   AttachedObjects attached;
   // The bodies as the detector saw them, and what it found at the stamp. Both are null if no

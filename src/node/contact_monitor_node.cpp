@@ -91,6 +91,7 @@ int main(int argc, char** argv) {
   } catch (const deformable_contact_monitor::ReadingStopped&) {
     return 0;  // Ctrl-C while the robot was read
   } catch (const std::exception& error) {
+    if (ros::isShuttingDown()) return 0;  // Ctrl-C while it started: roscpp is no longer whole
     exit_code = 1;
     ROS_FATAL_STREAM(error.what() << "\n  see config/docs/console.md#it-does-not-start");
   }

@@ -51,7 +51,7 @@ bool isListed(XmlRpcValue& state, Role role, const std::string& topic, const std
   return false;
 }
 
-// Returns false only if nobody listens there. A host that is silent may be back.
+// Returns false only if the connection is refused. A host that does not answer counts as listening.
 bool mayListen(const addrinfo& address) {
   constexpr int kPatienceMs = 300;
   const int socket = ::socket(address.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
@@ -66,7 +66,7 @@ bool mayListen(const addrinfo& address) {
   return error != ECONNREFUSED && error != EADDRNOTAVAIL;
 }
 
-// The same of all addresses of a node's host.
+// Does the same for each address of the node's host. Returns true if one may listen.
 bool mayListen(const std::string& uri) {
   std::string host;
   std::uint32_t port = 0;
@@ -93,7 +93,7 @@ std::map<std::string, std::string> publishedTypes() {
 
 bool mayPublish(const std::string& node, const std::string& topic) {
   std::optional<XmlRpcValue> state = ask("getSystemState");
-  // A master that was started anew knows nobody yet.
+  // A restarted master does not list this node either, so its answer proves nothing.
   if (!state || !isListed(*state, kSubscriber, topic, ros::this_node::getName())) return true;
   if (!isListed(*state, kPublisher, topic, node)) return false;
   std::optional<XmlRpcValue> uri = ask("lookupNode", node);

@@ -15,7 +15,7 @@ namespace deformable_contact_monitor {
 std::map<std::string, std::string> publishedTypes();
 
 // Returns whether the node may still publish on the topic. It does not if the master knows no such
-// publisher, or nobody listens at the node's address: who is killed stays on the master's list.
+// publisher, or nobody listens at the node's address: a killed node stays on the master's list.
 // This node must subscribe to the topic. May be called by any thread, and may take a while.
 bool mayPublish(const std::string& node, const std::string& topic);
 

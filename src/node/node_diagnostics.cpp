@@ -152,7 +152,7 @@ void NodeDiagnostics::describeStatus(Status& status) const {
       status.mergeSummary(DiagnosticStatus::WARN, "links without usable geometry: " + unusable);
     }
     if (!robot_.problem().empty()) {
-      status.mergeSummary(DiagnosticStatus::ERROR, "robot refused: " + robot_.problem());
+      status.mergeSummary(DiagnosticStatus::ERROR, "link meshes rejected: " + robot_.problem());
     }
   }
   if (!detector_error_.empty()) {

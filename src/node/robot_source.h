@@ -21,13 +21,12 @@ namespace deformable_contact_monitor {
 class RobotSource {
  public:
   // Loads the robot (robot_source: urdf), or subscribes to the latched topic ~robot_link_meshes
-  // (robot_source: topic), which may come late, and again with changed meshes; as long as the newest
-  // message is rejected, no link has a shape. Throws
-  // std::runtime_error if the robot is missing or malformed, if a link has no usable geometry
-  // (strict_geometry), if two links have one name, or if the SRDF that ~srdf names cannot be used;
-  // an SRDF that was only found becomes a srdfProblem(). Throws ReadingStopped if ROS shuts down
-  // meanwhile. `changed` is called from a callback thread after each new robot. The parameters must
-  // outlive this.
+  // (robot_source: topic), which may come late, and again with changed meshes; as long as the
+  // newest message is rejected, no link has a shape. Throws std::runtime_error if the robot is
+  // missing or malformed, if a link has no usable geometry (strict_geometry), if two links have one
+  // name, or if the SRDF that ~srdf names cannot be used; an SRDF that was only found becomes a
+  // srdfProblem(). Throws ReadingStopped if ROS shuts down meanwhile. `changed` is called from a
+  // callback thread after each new robot. The parameters must outlive this.
   RobotSource(const MonitorParameters& parameters, const ros::NodeHandle& node,
               ros::NodeHandle private_node, std::function<void()> changed);
 

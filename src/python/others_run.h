@@ -9,8 +9,8 @@ namespace deformable_contact_monitor {
 // allow that, and the process aborts or crashes. So the interpreter's end waits for threads at
 // work, at most 5 s, and threads that would begin after that stop.
 //
-// It is made before the lock is released, and destroyed with the lock, when the Python objects of
-// the results are made. A thread makes one at a time.
+// Create it while holding the lock, and destroy it while holding the lock again, after the Python
+// objects of the results are made. A thread makes one at a time.
 class AtWork {
  public:
   AtWork();

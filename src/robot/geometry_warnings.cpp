@@ -1,5 +1,5 @@
-// Warns about links that are usable but unusual: their size, triangles, non-finite vertices; and
-// about joints that do not hang together.
+// Warns about links that are usable but unusual (their size, triangles, non-finite vertices), and
+// about joints that form no tree.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -58,7 +58,7 @@ std::string unmonitoredLinks(const RobotGeometry& robot) {
          "; set geometry to collision_or_visual to monitor them";
 }
 
-// Names what urdfdom accepts of the joints. Links stand where TF says all the same.
+// Warns of loops and bad mimics that urdfdom accepts. Poses come from TF, so they stay right.
 std::vector<std::string> jointWarnings(const std::vector<RobotJoint>& joints) {
   std::vector<std::string> warnings;
   std::set<std::string> said;  // joints of one loop have one problem

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
-// The way from a joint ends at its last joint, or goes round in a circle through that joint.
+// The joint at which the chain from a joint ends, or one joint of the loop that it enters.
 struct End {
   std::size_t joint = kNone;
   bool is_circle = false;

@@ -1,4 +1,4 @@
-// What is wrong with how a robot's joints hang together. urdfdom accepts all of it.
+// Finds joints that form no tree, and bad mimics. urdfdom accepts all of them.
 #pragma once
 
 #include <vector>

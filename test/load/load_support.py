@@ -12,6 +12,11 @@ import threading
 import time
 import xmlrpc.client
 
+# A shell without job control starts what runs in the background with SIGINT ignored, and the
+# processes that this one starts would ignore it, too.
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
 WAIT_S = 40  # of wall time; far longer than anything takes, also on a busy machine
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))

@@ -24,8 +24,8 @@ class DistanceSearch {
   // Fills result.nearest if options.nearest is set. The contacts of the cycle must be in the
   // result: where their list is complete, it tells which bodies touch, and only the other pairs are
   // searched. With swept motion all pairs are searched at the present moment. Once the limit is
-  // over, pairs may be missing. The vertices of the scene must be on the host. Several may share
-  // `rounds`, in which nothing is left but the tiles of bodies.
+  // over, pairs may be missing. The vertices of the scene must be on the host. Several searches may
+  // share `rounds`, which keeps only the tiles of bodies.
   void find(const Scene& scene, const Options& options, const CycleLimit& limit, PairRounds& rounds,
             DetectionResult& result);
 

@@ -64,8 +64,8 @@ void addShares(const StageTimes& work, double wall_ms, StageTimes& times) {
   if (work_ms > 0) times.add(work, wall_ms / work_ms);
 }
 
-// What each cycle overwrites, and what is kept by revisions of bodies and so serves every scene.
-// Stages keep their buffers here for the next cycle. Detectors of a pool share one of these.
+// Buffers that each cycle overwrites, and caches that are keyed by the revisions of bodies, so that
+// they serve every scene. Detectors of a pool share one of these.
 struct CycleArrays {
   WorkingSetBuilder builder;
   WorkingSet set;

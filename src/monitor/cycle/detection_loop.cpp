@@ -106,7 +106,7 @@ void DetectionLoop::noteRules() {
                                    scene_.partPairs()));
 }
 
-// Prepares the scene, and tells everybody of holds that ended with the meshes of this cycle.
+// Prepares the scene, and reports the holds that ended with the meshes of this cycle.
 TransformReport DetectionLoop::prepare(const ros::Time& t, const CycleTrigger& trigger) {
   const std::size_t before = scene_.rules().ended_holds.size();
   TransformReport transforms = scene_.prepare(t, trigger, inputs_, lookup_);
@@ -262,10 +262,10 @@ void DetectionLoop::lookAtRobotsTime() {
   scheduler_.add(robot, std::move(request), now);
 }
 
-// Returns the stamp of the robot's next cycle: the newest at which the links' transforms are known,
-// or the present if these are too old, so that the cycle says which are, or ahead of the clock, as
-// readers take no such state for known. Frames wait for one that has stopped, but go on without it
-// just before the states of that stamp are too old. Nothing: a cycle of that stamp is done.
+// Returns the stamp of the robot's next cycle; nothing if that stamp had its cycle. It is the
+// newest stamp at which all links have a pose. If that stamp is too old or ahead of the clock, it
+// is the present time, and the cycle says which transforms are missing. A frame that has stopped is
+// waited for until the states are almost too old.
 std::optional<ros::Time> DetectionLoop::nextRobotsStamp() {
   constexpr double kLooks = 1.5;
   const std::vector<std::string> frames = scene_.framesOfRobotCycle();

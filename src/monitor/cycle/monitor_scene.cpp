@@ -319,7 +319,7 @@ std::vector<const IncomingMesh*> MonitorScene::chooseMeshes(const MeshChoice& ch
 }
 
 // Returns which bodies are to be posed: those of the cycle's pairs with two known bodies, and all
-// objects that triggered the cycle, as people want to see where these are.
+// objects that triggered the cycle, because rviz shows them.
 std::vector<bool> MonitorScene::neededBodies() const {
   std::vector<bool> needed(bodies_.size(), false);
   for (BodyId id = first_object_; id < bodies_.size(); ++id) {

@@ -139,8 +139,8 @@ std::vector<std::string> robotWarnings(const RobotGeometry& robot,
       return link.compare(0, one.link_prefix.size(), one.link_prefix) == 0;
     };
     if (std::any_of(robot.link_names.begin(), robot.link_names.end(), is_of_one)) continue;
-    warnings.push_back("~robots: no link of '" + one.link_prefix +
-                       "' is there; each LinkMeshes has the links of all robots");
+    warnings.push_back("~robots: no link has the prefix '" + one.link_prefix +
+                       "'; one LinkMeshes must have the links of all robots");
   }
   for (const DescribedRobot& one : robot.robots) {
     std::set<std::string> names = one.links;

@@ -26,7 +26,7 @@ struct Topology {
 // Made by an adapter, stored and accepted by MeshInput, queued by CycleScheduler, and loaded into
 // the scene by MonitorScene. The vertices are shared, never copied, until the scene reads them.
 struct IncomingMesh {
-  // Of an invalid one only the stamp may be used. Null: the original message, an array, says
+  // If it is invalid, only its stamp may be used. Null: the original message, an array, says
   // nothing about the object; then nobody stores this.
   DeformableMesh::ConstPtr message;
   std::string problem{};                       // why it is invalid or rejected; empty: it is valid

@@ -45,6 +45,7 @@ enum class Acceptance {
   kRejected,  // it is invalid, and all earlier meshes were forgotten
 };
 
+// How long accepted meshes are kept, and how many.
 struct MeshLimits {
   double max_age_s = 0.5;
   std::size_t history_bytes = std::size_t{512} << 20U;  // the newest four are always kept
@@ -66,8 +67,9 @@ class MeshInput {
   // The following functions may be called by any thread.
 
   // Makes `mesh` the one that waits. One that waited before is dropped. A deletion waits beside it
-  // for endGrace(), and is forgotten if a mesh comes before. The message that came last must not
-  // come again with another stamp: the vertices of the first one are gone then, and it is invalid.
+  // for endGrace(), and is forgotten if a mesh comes before. A publisher of this process must not
+  // change its last message and send it again; such a mesh is invalid, because the vertices of the
+  // first one are gone.
   void store(IncomingMesh mesh);
   // Offers triangles as if a message with them had arrived and had been dropped; null: none.
   void storeTriangles(const DeformableMesh::ConstPtr& keyframe);
@@ -163,6 +165,7 @@ class MeshInput {
 // One input for each object, in the order of the parameters. A deque, as an input cannot be moved.
 using MeshInputs = std::deque<MeshInput>;
 
+// Makes them, without any mesh.
 MeshInputs makeMeshInputs(const MonitorParameters& parameters);
 
 }  // namespace deformable_contact_monitor

@@ -23,7 +23,7 @@ class RivalPublishers {
   void noteReusedId(const IncomingMesh& mesh);
 
   // Returns which two nodes were rivals last, or which one changed triangles under their id,
-  // whatever came later; empty: nothing of both within 5 s before `now`.
+  // whatever came later; empty: neither happened in the last 5 s before `now`.
   std::string describe(SteadyTime now) const;
 
  private:

@@ -13,7 +13,8 @@ namespace {
 
 // [m], and of the rotations' matrices. A filter may send a stamp again with a better estimate.
 constexpr double kTolerance = 1e-3, kToleranceOfRepetitions = 0.05;
-// Longer steps tell nothing of what is between them. A publisher may send once a second.
+// Between stamps that are farther apart than this [s], no contradiction is claimed. A publisher may
+// send once a second.
 constexpr double kLeastStepS = 1.1, kMostStepS = 10;
 
 struct Distance {
@@ -97,8 +98,8 @@ bool RivalTransforms::look(const geometry_msgs::TransformStamped& transform,
   return is_rival;
 }
 
-// Compares a new place with the tracks of the other publishers, and those of their places with its
-// track that it may tell something of. Returns whether they differ.
+// Compares a new place with the tracks of the other publishers, and their recent places with this
+// publisher's track. Returns whether they differ.
 bool RivalTransforms::compare(const FrameTrack::iterator& place, FrameTrack* track,
                               const std::string& publisher) {
   constexpr int kNeighbours = 2;  // on either side, as contradicts() looks at

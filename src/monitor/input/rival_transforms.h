@@ -18,12 +18,13 @@ struct PoseInParent {
 };
 using FrameTrack = std::map<ros::Time, PoseInParent>;
 
-// Returns the place that a transform tells, of which tf2 accepts names and numbers.
+// Returns the transform's pose in its parent. Its names and numbers must be such that tf2 accepts
+// them.
 PoseInParent placeOf(const geometry_msgs::TransformStamped& transform);
 
-// Returns whether a frame is not where it was, according to the track, at that stamp: it lies
-// between two stamps of the track, at most `longest_step_s` [s] apart, and is further from both
-// places than the frame moved between these, and before, and after. False if that is not known.
+// Returns whether the place contradicts the track: its stamp lies between two stamps of the track
+// that are at most `longest_step_s` [s] apart, and its distance from the places at both is larger
+// than the largest step of the track around that stamp. False if that is not known.
 bool contradicts(const FrameTrack& track, const ros::Time& stamp, const PoseInParent& place,
                  double longest_step_s);
 
@@ -35,8 +36,8 @@ bool contradicts(const FrameTrack& track, const ros::Time& stamp, const PoseInPa
 class RivalTransforms {
  public:
   // Takes each transform whose names and numbers tf2 accepts, in the order of arrival. Returns
-  // whether it contradicts another one. A pose is asked for where stamps are at most `max_gap_s`
-  // [s] apart.
+  // whether it contradicts another one. `max_gap_s`: longest step [s] across which poses are
+  // interpolated.
   bool look(const geometry_msgs::TransformStamped& transform, const std::string& publisher,
             double max_gap_s);
 

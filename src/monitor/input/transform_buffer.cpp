@@ -30,7 +30,8 @@ bool areSame(const geometry_msgs::TransformStamped& a, const geometry_msgs::Tran
          std::equal(one.translation, one.translation + 3, other.translation, are_close);
 }
 
-// Digits of a parameter file: tf2 keeps one topic. Of several nodes on one topic, 1.571 is pi / 2.
+// By how much places on /tf and /tf_static may differ, and those of two nodes on /tf_static:
+// parameter files round numbers, such as 1.571 for pi / 2.
 constexpr double kDigits = 1e-6, kFewDigits = 1e-3;
 
 }  // namespace
@@ -49,7 +50,7 @@ bool TransformBuffer::add(const geometry_msgs::TransformStamped& transform,
   const bool is_accepted = setTransform(transform, publisher, is_static);
   if (!is_accepted && !isWellFormed(transform)) return false;
   Child& child = children_[frame];
-  // Also where tf2 has another place at the same stamp, and keeps to that.
+  // This is done as well if tf2 rejects the transform, because it has another one with this stamp.
   if (!is_static) any_contest_ |= child.rivals.look(transform, publisher, max_gap_s_);
   if (!is_accepted) return false;
   child.is_static = is_static;
@@ -66,9 +67,9 @@ bool TransformBuffer::add(const geometry_msgs::TransformStamped& transform,
   return true;
 }
 
-// Takes a transform of the other topic than that of the frame's first one. One on /tf that says
-// what /tf_static says is no news. In the other order, the frame is known as long as /tf comes and
-// says the same.
+// Takes a transform of the other topic than that of the frame's first one. A transform on /tf that
+// equals the static one is ignored. If /tf came first, the frame is known as long as transforms on
+// /tf come and equal the static one.
 bool TransformBuffer::contest(const geometry_msgs::TransformStamped& transform,
                               const std::string& publisher, Child* child) {
   const auto says_so = [&](const auto& of) { return areSame(of.second, transform, kDigits); };
@@ -119,7 +120,7 @@ std::set<std::string> TransformBuffer::staticRivals() const {
   return names;
 }
 
-// If tf2 has the place of one of them, it gets that of another node.
+// If tf2 holds the transform of a dropped node, it gets that of a remaining node.
 void TransformBuffer::dropStatics(const std::set<std::string>& publishers) {
   const std::lock_guard<std::mutex> lock(mutex_);
   for (auto& [frame, child] : children_) {
@@ -138,7 +139,7 @@ void TransformBuffer::dropStatics(const std::set<std::string>& publishers) {
   }
 }
 
-// Transforms may come out of order, and end a gap in its midst.
+// Transforms may come out of order. A late one inside a gap splits the gap in two.
 void TransformBuffer::noteStamp(const geometry_msgs::TransformStamped& transform, Child* child) {
   const ros::Time& stamp = transform.header.stamp;
   const auto is_wide = [this](const ros::Time& begin, const ros::Time& end) {

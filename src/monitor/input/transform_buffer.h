@@ -1,5 +1,5 @@
-// tf2's buffer of transforms, with what tf2 forgets of them: which ones a jump of the clock left
-// behind, how long a frame's transforms failed to come, and that a frame is on both topics.
+// Extends tf2's buffer of transforms. It also remembers gaps, transforms from before a jump of the
+// clock, and frames whose publishers contradict each other.
 #pragma once
 
 #include <geometry_msgs/TransformStamped.h>
@@ -31,28 +31,29 @@ namespace deformable_contact_monitor {
 //   that is /tf_static, it gives the newest transform for any stamp, also when the publisher is
 //   gone.
 // - Two nodes publish a frame at different places, on /tf (RivalTransforms) or on /tf_static. Of
-//   static ones tf2 keeps the place that came last, which is another one in each node.
-// Any thread may call any function. What is put in by setTransform() is tf2's alone.
+// static ones tf2 keeps the place that came last, which is another one in each node. Any thread may
+// call any function. Do not call setTransform() of tf2: it skips these checks.
 class TransformBuffer : public tf2::BufferCore {
  public:
   // `ros_now` returns ROS time; any thread may call it. A frame's transforms have a gap where, as
-  // the next one came, the newest was more than `max_gap_s` [s] behind both of it and the clock.
-  // Who publishes seldom, but stamps ahead, leaves no gap.
+  // the next one came, the newest was more than `max_gap_s` [s] behind both of it and the clock. A
+  // publisher that sends rarely but stamps ahead leaves no gap.
   explicit TransformBuffer(std::function<ros::Time()> ros_now = ros::Time::now,
                            double max_gap_s = std::numeric_limits<double>::infinity(),
                            ros::Duration cache_time = ros::Duration(DEFAULT_CACHE_TIME))
       : BufferCore(cache_time), ros_now_(std::move(ros_now)), max_gap_s_(max_gap_s) {}
 
   // Adds a transform, unless a jump left it behind, or it is not on the topic of its frame's first
-  // one. Returns whether the frame is where it says. Throws as setTransform() of tf2 does.
+  // one. Returns true if the frame is now where the transform puts it. Throws as setTransform() of
+  // tf2 does.
   bool add(const geometry_msgs::TransformStamped& transform, const std::string& publisher,
            bool is_static, SteadyTime steady_now);
 
   // Drops all transforms but the static ones, and for half a second those that come from before.
   void forget(SteadyTime steady_now);
 
-  // Returns the nodes that put a frame at different places on /tf_static. A node that is gone has
-  // no say any more, and the buffer cannot know that: dropStatics() tells it.
+  // Returns the nodes that put a frame at different places on /tf_static. The buffer does not know
+  // which of them have ended; call dropStatics() for those.
   std::set<std::string> staticRivals() const;
 
   // Forgets where these nodes put frames that have several places. Of a frame that no other node
@@ -61,7 +62,7 @@ class TransformBuffer : public tf2::BufferCore {
 
   // Returns why the pose of `frame` in `reference` at that stamp is not known, although tf2 may
   // give one: a frame between the two has a gap then, is on both topics, or has two publishers that
-  // contradict each other. Empty: nothing is known against it.
+  // contradict each other. Empty: no problem is known.
   std::string problemAt(const std::string& frame, const std::string& reference,
                         const ros::Time& stamp) const;
 

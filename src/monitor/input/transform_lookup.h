@@ -26,12 +26,14 @@ namespace deformable_contact_monitor {
 // ((r0*v0 + r1*v1) + r2*v2) + t, in double, rounded once (core/rigid_transform.h).
 RigidTransform toRigidTransform(const geometry_msgs::Transform& transform);
 
+// A frame whose pose is asked for.
 struct FrameAtStamp {
   std::string frame;
   ros::Time stamp;
   std::string link{};  // whose frame it is; empty: it is no link's
 };
 
+// The pose of a frame at a stamp, or why it is not known.
 struct PoseAnswer {
   enum class Outcome {
     kFound,

@@ -23,8 +23,8 @@ inline bool isUsableStamp(const ros::Time& stamp, const ros::Time& now) {
   return now.isZero() || secondsBetween(stamp, now) <= kMaxAheadS;
 }
 
-// Tells which messages are from before a jump of the clock. The window is short, as a publisher's
-// own clock may be ahead as well. One thread at a time.
+// Recognises messages from before a jump of the clock. The window is short, because a publisher's
+// own clock may be ahead, too. One thread at a time.
 class LeftoverWindow {
  public:
   // Notes that everything was reset. For half a second, messages from before may still arrive.

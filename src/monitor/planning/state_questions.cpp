@@ -45,8 +45,8 @@ void requireNumbers(const StatesToCheck& question) {
   if (question.max_time < ros::Duration()) refuseQuestion("max_time is negative");
 }
 
-// Returns why something of that age says nothing about the present; empty: it does. After the clock
-// went back, what is ahead of it is of the time before.
+// Returns why something of that age says nothing about the present; empty: it does. What is stamped
+// ahead of the clock is from before a jump of the clock.
 std::string presentProblem(const std::string& what, double age_s, double max_age_s) {
   const bool is_ahead = age_s < -kMaxAheadS;
   if (age_s <= max_age_s && !is_ahead) return "";
@@ -342,7 +342,7 @@ std::string StateQuestions::whyUnknown(const StatesAsked& asked, const MovedBodi
       return text + "; and " + std::to_string(unknown.size() - kShown) + " more";
     const std::string because = problem(id);
     text += (text.empty() ? "" : "; ") + scene_.bodies()[id].name + ": ";
-    if (asked.unclear[id]) text += "nobody knows whether it moves along";
+    if (asked.unclear[id]) text += "it is not known whether it moves with the joints";
     if (asked.unclear[id] && !because.empty()) text += ": ";  // else TF came meanwhile
     text += because;
   }

@@ -161,8 +161,8 @@ void ContactStateTracker::listPairs(const CycleReport& report) {
   }
 }
 
-// If an object is held anew, a piece that was not held may have lost triangles to one that is. Which
-// triangles a held piece had before is not known any more.
+// If an object is held anew, a piece that was not held may have lost triangles to one that is.
+// Which triangles a held piece had before is not known any more.
 bool ContactStateTracker::LeftOut::covers(const LeftOut& before, const BodyStatus& a,
                                           const BodyStatus& b) const {
   const bool same_a = held_a == before.held_a, same_b = held_b == before.held_b;
@@ -185,8 +185,8 @@ bool ContactStateTracker::LeftOut::covers(const LeftOut& before, const BodyStatu
   return std::all_of(before.pieces.begin(), before.pieces.end(), isLeftOut);
 }
 
-// Triangles that a state did not cover may touch: those of pieces that were left out and are not any
-// more, and those of another hold.
+// Triangles that a state did not cover may touch: those of pieces that were left out and are not
+// any more, and those of another hold.
 void ContactStateTracker::listLeftOut(const CycleReport& report) {
   std::map<std::pair<BodyId, BodyId>, std::vector<PartPair>> by_pair;
   if (report.allowed_parts != nullptr) {

@@ -127,7 +127,7 @@ StampFinding::StampFinding(const CycleReport& report, const MonitoredPair& pair,
       inside_(insidePartsOf(report, pair)),
       bounds_(boundsOf(report, pair, rules.tolerance_m)),
       nearest_(nearestOf(report, pair)) {
-  // The bounds are those of the bodies. Of a part they say nothing but that it is apart, too.
+  // The bounds are those of the bodies. For a part they say something only if the bodies are apart.
   const bool is_part = pair.part_a != 0 || pair.part_b != 0;
   if (is_part && bounds_ && bounds_->decision != PairDecision::kNone) {
     is_undecided_ = !bounds_->bounds->is_listed;

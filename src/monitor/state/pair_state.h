@@ -34,6 +34,7 @@ struct StateRules {
   float tolerance_m = 0;
 };
 
+// Returns the rules that the parameters set.
 StateRules stateRules(const MonitorParameters& parameters);
 
 // The bounds of a pair's distance, where a bounded detection found some. It is a view of the
@@ -99,7 +100,7 @@ class PairStates {
   PairStates(const CycleReport& report, const StateRules& rules);
 
   // Returns the state of a pair of this cycle at the report's stamp: NONE, NEAR, CONTACT, or
-  // UNKNOWN with its reason. Of an UNKNOWN, distance_low [m] holds all the same.
+  // UNKNOWN with its reason. distance_low [m] is valid for UNKNOWN, too.
   ContactState atStamp(const MonitoredPair& pair) const;
 
   // Returns what the interval of the pair says; without a problem and without contacts if there is

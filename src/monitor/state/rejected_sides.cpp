@@ -98,7 +98,7 @@ std::string rejectsProblem(const CycleReport& report, const MonitoredPair& pair,
     if (problem.empty()) problem = own;
   }
   if (some_known) return "";
-  // No triangle is compared: those that should be are of parts that nobody knows.
+  // Nothing is compared, because the triangles of the parts are not known.
   const bool is_unknown = body.parts != nullptr && !body.parts->problem.empty();
   return problem.empty() && is_unknown ? body.name + ": " + body.parts->problem : problem;
 }

@@ -17,10 +17,11 @@ struct Rejects {
 };
 
 // Returns why NONE and NEAR must not be claimed of one side of a pair (is_a: that of pair.a); empty
-// if the rules tolerate its rejects. A part is decided by its own triangles. An object is decided
-// by the triangles of no named part, because its parts have states of their own. If such triangles
-// do not exist or are ALLOWED, some monitored part must be known. Beside a part of another object,
-// all of its own parts must be, because two parts have no state. Needs the report's scene.
+// if the rules tolerate its rejects. For a part, its own triangles count. For an object, the
+// triangles outside its named parts count, because parts have states of their own; if there are
+// none, or they are ALLOWED, at least one monitored part must be known. In a pair with a part of
+// another object, all of its parts must be known, because two parts have no state of their own.
+// Needs the report's scene.
 std::string rejectsProblem(const CycleReport& report, const MonitoredPair& pair, bool is_a,
                            const Rejects& rejects, double tolerated_rejects);
 

@@ -49,6 +49,7 @@ sensor_msgs::JointState toJointState(const BagMessage& message);
 // Returns true if the message has a type that an object may have.
 bool isMesh(const BagMessage& message);
 
+// What is known of a mesh in a bag before its triangles are needed.
 struct BagMeshHead {
   ros::Time stamp;                // of its header; zero: the type has no header
   DeformableMesh::ConstPtr mesh;  // null: it is of another type

@@ -32,8 +32,8 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// The child counts as crashed if it has sent no byte for so long [ms]. Before its first byte, it opens
-// all bags, which takes some seeks for each chunk of some 0.8 MB.
+// The child counts as crashed if it has sent no byte for so long [ms]. Before its first byte, it
+// opens all bags, which takes some seeks for each chunk of some 0.8 MB.
 constexpr std::uintmax_t kPatienceMs = 60000, kBytesPerMs = 50000;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr rlim_t kMemory = RLIM_INFINITY;  // sanitizers reserve terabytes of addresses

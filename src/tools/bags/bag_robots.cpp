@@ -1,5 +1,5 @@
-// Loads the robots of recorded cycles. As in the node, a URDF that cannot be used leaves the robot as
-// it was, and link meshes that cannot be used leave its links without shapes.
+// Loads the robots of recorded cycles. As in the node, a URDF that cannot be used leaves the robot
+// as it was, and link meshes that cannot be used leave its links without shapes.
 #include "tools/bags/bag_robots.h"
 
 #include <algorithm>
@@ -162,7 +162,8 @@ History<RobotGeometry> loadBagRobots(const BagFiles& files, const MonitorParamet
       },
       &rejections);
   for (const Recorded<std::string>& one : rejections) {
-    warn("the robot that was recorded at " + stampText(one.received) + " is not used: " + one.value);
+    warn("the robot that was recorded at " + stampText(one.received) +
+         " is not used: " + one.value);
   }
   return robots;
 }

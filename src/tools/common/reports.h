@@ -43,6 +43,7 @@ struct Machine {
   std::vector<std::string> gpus;
 };
 
+// Describes the machine that this process runs on.
 Machine thisMachine();
 
 // Returns thisMachine() and the compiler as JSON.

@@ -99,8 +99,8 @@ std::string damage(const BagContents& contents) {
   return "";
 }
 
-// Applies the options that are none of setUpBags(). Names the damage of a bag in the error, because
-// what is missing may have been in the part that could not be read.
+// Applies the options that setUpBags() does not know. If the bag is damaged, the error says so
+// first, because what is missing may have been in the part that could not be read.
 BagSetup setUp(const EvaluateArguments& arguments, const MonitorParameters& configured,
                BagContents* contents) {
   MonitorParameters parameters = configured;
@@ -118,8 +118,8 @@ BagSetup setUp(const EvaluateArguments& arguments, const MonitorParameters& conf
   }
 }
 
-// Returns the margin of an object, a part of one or a link [m]. To the least margin of its parts,
-// an object is certain to be apart.
+// Returns the margin of an object, a part of one or a link [m]. For an object this is the least
+// margin of its parts, because its NONE is certain only up to that.
 double marginOf(const MonitorParameters& parameters, const std::string& body) {
   for (const ObjectParameters& object : parameters.objects) {
     if (!hasName(bodyOf(object), body)) continue;
@@ -299,7 +299,7 @@ int evaluate(const EvaluateArguments& arguments) {
   end.setup = &bags.setup;
   end.runs = &runs;
   end.comparisons = &compared;
-  // Of stamps that went back nobody knows the end, and a played object ends as it was told.
+  // The end is not known if the clock went back, and a played object may end before the bag.
   const bool has_end = bags.contents.jumps.all().empty() && !bags.setup.played;
   end.expectations = runs[0]->judge.verdicts(has_end ? bags.contents.ended() : ros::Time());
   end.refused_transforms = cycles.refusedTransforms();

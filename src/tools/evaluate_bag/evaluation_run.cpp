@@ -118,7 +118,6 @@ void EvaluationRun::forget(const std::string& reason, const ros::Time& now) {
 
 std::string runName(const std::string& asked, const Options& options) {
   std::ostringstream text;
-  // FCL has its own predicates, so their name would mislead.
   text << asked;
   if (asked == "fcl") return text.str();  // it has predicates of its own
   text << " " << toString(options.predicates);
@@ -207,7 +206,8 @@ std::vector<RunSettings> runSettings(const EvaluateArguments& arguments,
     for (const float overlap : overlaps) {
       for (const std::string& backend : backends) {
         if (parameters.motion == Motion::kSwept && backend == "fcl") {
-          throw std::invalid_argument("backend fcl knows no swept motion; set motion to instant");
+          throw std::invalid_argument(
+              "backend fcl does not support swept motion; set motion to instant");
         }
         all.push_back({backend, parameters.detector});
         all.back().options.predicates = p;
@@ -230,7 +230,7 @@ std::vector<std::unique_ptr<EvaluationRun>> makeRuns(
     std::unique_ptr<Detector> detector = makeBackend(of.backend, parameters.cuda, warn, tilings);
     if (of.options.near_pairs && hasMargins(parameters) && !supportsMargins(*detector)) {
       throw std::invalid_argument("backend " + of.backend +
-                                  " lists no near pairs; set near_pairs to false");
+                                  " does not support near_pairs; set it to false");
     }
     runs.push_back(std::make_unique<EvaluationRun>(
         of.backend, std::move(detector), of.options, stateRules(parameters), expectations,

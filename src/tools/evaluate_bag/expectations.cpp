@@ -102,15 +102,15 @@ std::vector<Expectation> readExpectations(const std::string& path) {
       }
     }
     if (e.link.empty() || e.object.empty()) {
-      entry.addProblem("link and object", "must both be there");
+      entry.addProblem("link and object", "must both be set");
     }
     if (e.to_s < e.from_s) entry.addProblem("to_s", "is before from_s");
     for (const std::string& name : entry.unknown()) {
-      problems.push_back(name + " is nothing that an expectation has");
+      problems.push_back(name + " is not a key of an expectation");
     }
     expectations.push_back(std::move(e));
   }
-  if (problems.empty() && expectations.empty()) problems.push_back("it holds no expectation");
+  if (problems.empty() && expectations.empty()) problems.push_back("the file has no expectation");
   if (problems.empty()) return expectations;
   throw std::runtime_error(path + ": " + joined(problems, "; "));
 }

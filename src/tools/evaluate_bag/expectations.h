@@ -100,12 +100,13 @@ class ExpectationJudge {
   };
 
   double timeOf(const ros::Time& stamp);
-  // Counts the time since the pair's last cycle if its state grew too old in it.
+  // Counts a gap if the pair's state had grown too old before this cycle.
   void lookAtGap(const ContactState& state, double since_s, bool is_judged, Record* record) const;
   // Counts the time from the pair's last cycle to `until_s` as UNKNOWN, but for the first
   // max_age_s_ of it and what is not the expectation's.
   void countGap(double until_s, Record* record) const;
-  // Does so if the recording went on after the pair's last cycle.
+  // Counts a gap at the end if the recording went on for longer than max_age_s_ after the pair's
+  // last cycle.
   void lookAtEnd(const ros::Time& end, Record* record) const;
   // Checks one expectation at a time after the first cycle [s].
   void look(const ContactStates& states, double since_s, bool found_all, Record* record) const;

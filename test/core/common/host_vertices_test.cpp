@@ -58,9 +58,9 @@ TEST_F(HostVerticesTest, ASceneRefusesWhatCannotBeThem) {
   EXPECT_EQ(refusal([&] { scene_.setDeviceVertices(1, somewhere(), 24); }),
             "b: 24 vertices, but its triangles are of a mesh with 25");
   EXPECT_EQ(refusal([&] { scene_.setDeviceVertices(1, nullptr, 25); }),
-            "b: its 25 vertices are said to be at a null pointer");
+            "b: the pointer to its 25 vertices is null");
   EXPECT_EQ(refusal([&] { scene_.setVertices(1, nullptr, 25); }),
-            "b: its 25 vertices are said to be at a null pointer");
+            "b: the pointer to its 25 vertices is null");
   EXPECT_NE(refusal([&] { scene_.setDeviceVertices(2, somewhere(), 25); }), "");
   EXPECT_FALSE(scene_.body(1).device_vertices);
   const BodyId empty = scene_.addBody("empty", {});

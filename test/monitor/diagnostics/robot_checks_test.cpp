@@ -46,9 +46,10 @@ TEST(RobotChecksTest, WarnsOfARobotWithoutLinks) {
   parameters.robots = {{"one", "left/"}, {"two", "right/"}};
   RobotGeometry left;
   left.link_names = {"left/arm", "left/hand"};
-  EXPECT_EQ(robotWarnings(left, parameters),
-            std::vector<std::string>{"~robots: no link of 'right/' is there; each LinkMeshes has "
-                                     "the links of all robots"});
+  EXPECT_EQ(
+      robotWarnings(left, parameters),
+      std::vector<std::string>{"~robots: no link has the prefix 'right/'; one LinkMeshes must "
+                               "have the links of all robots"});
   left.link_names.insert("right/hand");
   EXPECT_EQ(robotWarnings(left, parameters).size(), 0U);
 }

@@ -161,7 +161,8 @@ TEST_F(MovedBodiesTest, WhatMayMoveAlongLeavesItOpen) {
   };
   put_arm();
   const std::string open =
-      "?C tool: nobody knows whether it moves along: TF from 'tool_tip' to 'base' never seen";
+      "?C tool: it is not known whether it moves with the joints: TF from 'tool_tip' to 'base' "
+      "never seen";
   EXPECT_EQ(states(ask({kFree, kAtCloth})), open);
   EXPECT_EQ(states(ask({kFree, kAtCloth}, {"turn"}, 0, {"cloth"})), open);
   put("tool_tip", "mount", 1);
@@ -173,7 +174,8 @@ TEST_F(MovedBodiesTest, WhatMayMoveAlongLeavesItOpen) {
   EXPECT_EQ(states(ask({kFree, kAtCloth})), "-C");
 
   robot_ = load({{kRobot, "", "", {}}, {kRobot, "", "other/", {}}});
-  expectIn("? other/arm: nobody knows whether it moves along: TF frame", states(ask({kFree})));
+  expectIn("? other/arm: it is not known whether it moves with the joints: TF frame",
+           states(ask({kFree})));
   put("other/base", "base", -5);
   EXPECT_EQ(states(ask({kFree})), "-") << "the URDF has its links on its base";
 }

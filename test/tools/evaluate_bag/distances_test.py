@@ -117,7 +117,7 @@ class Distances(unittest.TestCase):
         self.assertEqual(done.returncode, 2)
         if "no FCL" in done.stderr:
             return
-        self.assertIn("fcl lists no near pairs; set near_pairs to false", done.stderr)
+        self.assertIn("fcl does not support near_pairs; set it to false", done.stderr)
         self.evaluate("--backends", "fcl")
         self.assertEqual({i: float(row["distance"]) for i, row in self.rows().items()},
                          {1: .75, 2: .5, 3: .25, 4: 0, 5: .25, 7: .5})

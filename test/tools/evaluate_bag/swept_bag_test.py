@@ -264,7 +264,7 @@ class SweptBag(unittest.TestCase):
 
     def test_refusals(self):
         for config, arguments, words in (
-                (EXACT, ["--backends", "cpu,fcl"], "fcl knows no swept motion"),
+                (EXACT, ["--backends", "cpu,fcl"], "fcl does not support swept motion"),
                 (CONFIG + "motion: slow\n", [], "motion"),
                 (CONFIG + "motion: swept\nswept_tolerance_m: -1\n", [], "swept_tolerance_m")):
             done = self.run_tool(config, *arguments)
