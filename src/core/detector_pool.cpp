@@ -44,9 +44,10 @@ class WarmDetectors {
     makeFirst();
     choose(scene, options.motion);
     Warm& warm = all_.front();
-    if (std::exchange(warm.has_failed, false)) {
+    if (warm.has_failed) {
       warm.detector = make_();
       warm.detector_bytes = 0;
+      warm.has_failed = false;
     }
     try {
       const DetectionResult& result = warm.detector->detect(scene, options);

@@ -1,6 +1,7 @@
 // Subscriptions to messages whose bytes are checked before roscpp reads them.
 #pragma once
 
+#include <ros/message_event.h>
 #include <ros/message_traits.h>
 #include <ros/subscribe_options.h>
 #include <ros/subscription_callback_helper.h>
@@ -18,8 +19,8 @@ namespace deformable_contact_monitor {
 
 // Replaces roscpp's reader of one message type.
 template <typename M>
-class CheckedReader : public ros::SubscriptionCallbackHelperT<const boost::shared_ptr<const M>&> {
-  using Base = ros::SubscriptionCallbackHelperT<const boost::shared_ptr<const M>&>;
+class CheckedReader : public ros::SubscriptionCallbackHelperT<const ros::MessageEvent<const M>&> {
+  using Base = ros::SubscriptionCallbackHelperT<const ros::MessageEvent<const M>&>;
 
  public:
   using Base::Base;
@@ -40,8 +41,8 @@ class CheckedReader : public ros::SubscriptionCallbackHelperT<const boost::share
 };
 
 // Returns the options of a subscription that calls `receive` with each message whose bytes are
-// exactly one M, and `reject` with what is wrong with the bytes of another. M is one of the types
-// of message_bytes.h.
+// exactly one M, and `reject` with what is wrong with the bytes of another and who sent it. M is
+// one of the types of message_bytes.h.
 template <typename M>
 ros::SubscribeOptions checkedSubscription(
     const std::string& topic, std::uint32_t queue_size,
@@ -50,9 +51,11 @@ ros::SubscribeOptions checkedSubscription(
   ros::SubscribeOptions options(topic, queue_size, ros::message_traits::md5sum<M>(),
                                 ros::message_traits::datatype<M>());
   options.helper = boost::make_shared<CheckedReader<M>>(
-      [receive, reject](const boost::shared_ptr<const M>& message) {
+      [receive, reject](const ros::MessageEvent<const M>& event) {
+        const auto& message = event.getConstMessage();
         const Rejection* const rejection = boost::get_deleter<Rejection>(message);
-        rejection == nullptr ? receive(message) : reject(rejection->problem);
+        if (rejection == nullptr) return receive(message);
+        reject(rejection->problem + " (from " + event.getPublisherName() + ")");
       });
   options.transport_hints = ros::TransportHints().tcpNoDelay();
   return options;

@@ -339,7 +339,7 @@ bool ContactMonitor::attachObject(AttachObject::Request& request,
     response.message =
         describeHeld(requests_.attach(request.object, request.links, std::move(part), grip));
     ROS_INFO_STREAM(response.message);
-    if (robot_source_.newest() != robot) releaseFromMissingLinks();
+    if (robot_source_.newest() != robot) noteRobot();  // it came in the meantime
   } else {
     ROS_ERROR_STREAM("~attach_object: "
                      << response.message
@@ -385,23 +385,18 @@ std::shared_ptr<const HeldPart> ContactMonitor::findHeld(const AttachObject::Req
   return findHeldPart(question, robot, parameters_, lookup);
 }
 
-void ContactMonitor::noteRobot() {
-  if (robot_source_.problem().empty()) {
-    ROS_INFO_STREAM("using a new robot:" << describeRobots(*robot_source_.newest()));
-  }
-  releaseFromMissingLinks();
-  requests_.wake();
-}
-
 // Releases objects from links that a new robot lacks.
-void ContactMonitor::releaseFromMissingLinks() {
+void ContactMonitor::noteRobot() {
   const std::shared_ptr<const RobotGeometry> robot = robot_source_.newest();
+  const bool is_used = robot_source_.problem().empty();
+  if (is_used) ROS_INFO_STREAM("using a new robot:" << describeRobots(*robot));
   std::set<std::string> holders = robot->link_names;
   for (const RigidParameters& rigid : parameters_.rigids) holders.insert(rigid.name);
   for (const std::string& held : requests_.releaseFromOthers(holders)) {
     ROS_WARN_STREAM("the new robot lacks a link that held an object, which is released from it: "
                     << held << "; see config/README.md#what-may-touch");
   }
+  requests_.wake();
 }
 
 // Answers with the states as they are now, and with the contacts of the newest cycle, if any.

@@ -84,7 +84,6 @@ class ContactMonitor {
   // Called by the robot source after each new robot (in a callback thread), and by the detector
   // when its backend changes.
   void noteRobot();
-  void releaseFromMissingLinks();
   void noteBackend(const BackendState& state);
 
   // Runs in the states thread until the requests stop. Lets states become UNKNOWN when they are too

@@ -183,8 +183,8 @@ void RobotSource::reject(const std::string& problem) {
       << problem << "; see config/docs/console.md#the-robot");
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    const bool is_known = problem == std::exchange(problem_, problem);
-    if (robot_ == nullptr || is_known) return;
+    problem_ = problem;
+    if (robot_ == nullptr || isWithoutShapes(*robot_)) return;
     robot_ = std::make_shared<const RobotGeometry>(withoutShapes(*robot_, problem));
   }
   changed_();

@@ -98,13 +98,21 @@ TEST_F(Fallback, RunsTheFirstWhileItWorks) {
 // A detector that ran out of memory keeps asking for as much.
 TEST_F(Fallback, WithoutASecondAFailureIsNotForGood) {
   PoolSettings settings;
-  settings.device = [this] { return std::make_unique<DeviceDetector>(&device_); };
+  settings.device = [this]() -> std::unique_ptr<Detector> {
+    if (device_.make_fails) std::rethrow_exception(device_.make_fails);
+    return std::make_unique<DeviceDetector>(&device_);
+  };
   detector_ = makeDetectorPool(settings);
   for (const BackendFault fault : {BackendFault::kTransient, BackendFault::kSceneTooLarge}) {
     const int made = device_.made;
     device_.fails(fault);
     EXPECT_THROW(detector_->detect(scene_, Options()), BackendError);
     EXPECT_EQ(detector_->backend(), "device");
+    if (fault == BackendFault::kTransient) {  // memory is still short
+      device_.make_fails = device_.detect_fails;
+      EXPECT_THROW(detector_->detect(scene_, Options()), BackendError);
+      device_.make_fails = nullptr;
+    }
     device_.detect_fails = nullptr;
     EXPECT_EQ(detect(), "device");
     EXPECT_EQ(device_.made, made + (fault == BackendFault::kTransient ? 1 : 0));

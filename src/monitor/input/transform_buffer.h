@@ -31,8 +31,8 @@ namespace deformable_contact_monitor {
 //   that is /tf_static, it gives the newest transform for any stamp, also when the publisher is
 //   gone.
 // - Two nodes publish a frame at different places, on /tf (RivalTransforms) or on /tf_static. Of
-// static ones tf2 keeps the place that came last, which is another one in each node. Any thread may
-// call any function. Do not call setTransform() of tf2: it skips these checks.
+//   static ones tf2 keeps the place that came last, which is another one in each node.
+// Any thread may call any function. Do not call setTransform() of tf2: it skips these checks.
 class TransformBuffer : public tf2::BufferCore {
  public:
   // `ros_now` returns ROS time; any thread may call it. A frame's transforms have a gap where, as

@@ -248,7 +248,10 @@ void addReasons(const CycleReport& report, const MarkerOptions& options,
     std::optional<Marker> text =
         textOver(report, id, std::max(options.lifetime_s, kUnknownLifetimeS), unknownKey(id));
     if (!text) continue;
-    text->text = body.name + " is UNKNOWN: " + why;
+    const bool is_rejected = body.unknown_because.empty();
+    text->text =
+        body.name + (is_rejected ? " is UNKNOWN where it does not touch: " : " is UNKNOWN: ");
+    text->text += why;
     markers->push_back(std::move(*text));
   }
 }

@@ -92,7 +92,10 @@ bool isOf(const BodyStatus& body, PartId piece, PartId part) {
   return part == 0 || body.parts->has(part, piece);
 }
 
+// Returns what is held of the body, if its pieces are known in the mesh that is in use.
 std::shared_ptr<const HeldPart> heldOf(const CycleReport& report, BodyId body) {
+  const BodyParts* const parts = report.bodies.at(body).parts.get();
+  if (parts == nullptr || parts->heldPart() == 0) return nullptr;
   const auto found = report.attached.find(report.bodies.at(body).name);
   return found == report.attached.end() ? nullptr : found->second.part;
 }
@@ -112,8 +115,10 @@ void ContactStateTracker::update(const CycleReport& report) {
   cycle_ = report.cycle;
   is_list_ = std::none_of(report.bodies.begin(), report.bodies.end(),
                           [](const BodyStatus& body) { return body.triggered; });
-  listPairs(report);
-  if (report.allowed_parts != allowed_parts_ || report.attached != attached_) listLeftOut(report);
+  const bool are_others = listPairs(report);
+  if (are_others || report.allowed_parts != allowed_parts_ || report.attached != attached_) {
+    listLeftOut(report);
+  }
   allowed_parts_ = report.allowed_parts;
   attached_ = report.attached;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
@@ -122,7 +127,7 @@ void ContactStateTracker::update(const CycleReport& report) {
 }
 
 // Keeps the tracks of pairs that remain, in the report's order, and ends those that are gone.
-void ContactStateTracker::listPairs(const CycleReport& report) {
+bool ContactStateTracker::listPairs(const CycleReport& report) {
   using Names = std::pair<std::string, std::string>;
   const auto names = [&report](const MonitoredPair& pair) {
     return Names(nameOf(report.bodies.at(pair.a), pair.part_a),
@@ -134,7 +139,7 @@ void ContactStateTracker::listPairs(const CycleReport& report) {
     same = isNamed(tracks_[i].state.body_a, report.bodies.at(pair.a), pair.part_a) &&
            isNamed(tracks_[i].state.body_b, report.bodies.at(pair.b), pair.part_b);
   }
-  if (same) return;
+  if (same) return false;
   std::map<Names, Track> before;
   for (Track& track : tracks_) {
     before.emplace(Names(track.state.body_a, track.state.body_b), std::move(track));
@@ -159,6 +164,7 @@ void ContactStateTracker::listPairs(const CycleReport& report) {
   for (auto& [gone, track] : before) {
     interrupt(ContactState::UNKNOWN, "no longer monitored", report.now, &track);
   }
+  return true;
 }
 
 // If an object is held anew, a piece that was not held may have lost triangles to one that is.
@@ -215,9 +221,14 @@ void ContactStateTracker::listLeftOut(const CycleReport& report) {
     const LeftOut& before = tracks_[i].left_out;
     const bool is_other_part = (isHeldPart(a, pair.part_a) && now.held_a != before.held_a) ||
                                (isHeldPart(b, pair.part_b) && now.held_b != before.held_b);
-    if ((is_other_part || !now.covers(before, a, b)) && isApart(tracks_[i].state)) {
-      interrupt(ContactState::UNKNOWN, "not looked at yet", report.now, &tracks_[i]);
-      tracks_[i].state_before = ContactState::UNKNOWN;  // it did not cover these triangles
+    if (is_other_part || !now.covers(before, a, b)) {
+      Track& track = tracks_[i];
+      if (isApart(track.state)) {
+        interrupt(ContactState::UNKNOWN, "not looked at yet", report.now, &track);
+      }
+      if (track.state_before != ContactState::CONTACT) {
+        track.state_before = ContactState::UNKNOWN;  // it did not cover these triangles
+      }
     }
     tracks_[i].left_out = std::move(now);
   }

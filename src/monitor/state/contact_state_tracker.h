@@ -106,7 +106,8 @@ class ContactStateTracker {
   };
 
   void forgetLocked(const std::string& body, const std::string& reason, const ros::Time& now);
-  void listPairs(const CycleReport& report);
+  // Returns whether the pairs are others than before.
+  bool listPairs(const CycleReport& report);
   void listLeftOut(const CycleReport& report);
   void updateTrack(const CycleReport& report, const MonitoredPair& pair, const PairStates& found,
                    Track* track);

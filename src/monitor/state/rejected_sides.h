@@ -25,9 +25,9 @@ struct Rejects {
 std::string rejectsProblem(const CycleReport& report, const MonitoredPair& pair, bool is_a,
                            const Rejects& rejects, double tolerated_rejects);
 
-// Returns why nothing is known of a body: its own problem, or that its rejected triangles are not
-// tolerated. Empty if something is known. Of a body of several parts, some may be known, so its
-// rejected triangles do not count. Needs the report's scene.
+// Returns why NONE and NEAR must not be claimed of any pair of a body: its own problem, or that its
+// rejected triangles are not tolerated; empty if they may be. Of a body of several parts, some may
+// be known, so its rejected triangles do not count. Needs the report's scene.
 std::string whyUnknown(const CycleReport& report, BodyId id, double tolerated_rejects);
 
 }  // namespace deformable_contact_monitor

@@ -1,13 +1,14 @@
-"""What contact_test makes of its parameters, of the monitor's, and of messages. Knows no ROS master."""
+"""What contact_test makes of its parameters, the monitor's and of messages. Knows no ROS master."""
 import collections
 import math
 import re
 import types
+from ctypes import c_float
 
 import rosgraph
 from deformable_contact_monitor.msg import ContactState
 
-from .contact_reader import certain_distance, is_of, margin_of, margins_of, to_float32
+from .contact_reader import certain_distance, is_of, margin_of, margins_of
 
 STATES = {name: getattr(ContactState, name.upper())
           for name in ("none", "near", "contact", "allowed", "unknown", "passed")}
@@ -29,11 +30,13 @@ EXPONENTIAL = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+")  # to YAML 1.1, 
 # What the monitor's reason for UNKNOWN means for who reads the failure.
 REASONS = (("mesh missing", r"no mesh yet"), ("mesh refused", r"mesh refused: "),
            ("mesh stale", r"newest mesh is |no new mesh|no mesh as old as"),
-           ("monitor busy", r"busy: "), ("monitor reset", r"reset|time jump|not looked at yet"),
+           ("monitor busy", r"busy: "),
+           ("monitor reset", r"reset|time jump|not looked at yet|robot changed"),
            ("TF missing", r"TF .* never seen"),
            ("TF late", r"TF .* (is late|no longer reaches back)"),
            ("monitor disabled", r"disabled"), ("clock missing", r"no clock"),
-           ("monitor too slow", r"not decided in time|no time|the cycle ended later"),
+           ("monitor too slow",
+            r"not decided in time|(in the step: )?no time|the cycle ended later"),
            ("mesh incomplete", r".*triangles have a vertex that is not finite"),
            ("mesh deleted", r"(all markers were|marker .* was) deleted"),
            ("detection failed", r"(the step's )?detection failed"),
@@ -76,7 +79,7 @@ def parse(tree):
         for name in ("min_pairs", "max_pairs", "within_s"):
             if name in tree:
                 problems.append(f"{name} is set, which excludes keeps_m")
-        if wanted.link.split(":")[0] == wanted.object.split(":")[0]:
+        if is_of(wanted.link, wanted.object) or is_of(wanted.object, wanted.link):
             problems.append("keeps_m: a body has no distance from itself")
         return finished(wanted, problems)
     if not problems and wanted.max_pairs == 0 and wanted.state in WITH_PAIRS:
@@ -88,7 +91,7 @@ def finished(wanted, problems):
     if problems:
         raise ValueError("; ".join(problems))
     # The monitor has distances and margins as float32.
-    wanted.keeps_m = to_float32(wanted.keeps_m)
+    wanted.keeps_m = c_float(wanted.keeps_m).value
     return wanted
 
 
@@ -99,15 +102,18 @@ def settings_matter(wanted):
 
 def settings_problem(wanted, parameters):
     """Why a monitor with these private parameters cannot show what is wanted; empty: it can."""
+    margins = margins_of(parameters)
     if wanted.keeps_m > 0:
-        margins = margins_of(parameters)
+        if any(is_of(wanted.link, name) and is_of(wanted.object, name)
+               for name in object_names(parameters)):
+            return "bad parameters: keeps_m: a body has no distance from itself"
         margin_m = max(margin_of(margins, body) for body in (wanted.link, wanted.object))
-        if to_float32(margin_m) < wanted.keeps_m:
+        if c_float(margin_m).value < wanted.keeps_m:
             return (f"margin too small: keeps_m is {wanted.keeps_m:.6g}, but the monitor knows no "
                     f"distance of the two beyond its margin_m of {margin_m:.6g} m")
     if wanted.state not in WITH_PAIRS:
         return ""
-    if wanted.min_pairs > 0 and parameters.get("near_pairs") is True:
+    if wanted.min_pairs > 1 and parameters.get("near_pairs") is True and max(margins.values()) > 0:
         return ("pairs not counted: min_pairs is set, but with the monitor's near_pairs, pairs "
                 "within the margin count, too; set near_pairs to false")
     if wanted.max_pairs < MOST_PAIRS:
@@ -116,6 +122,13 @@ def settings_problem(wanted, parameters):
                 return (f"pairs not counted: max_pairs is set, but with the monitor's {name}, only "
                         f"pairs that were found in time count; set {name} to 0")
     return ""
+
+
+def object_names(parameters):
+    objects = parameters.get("objects")
+    names = [one.get("name") for one in objects if isinstance(one, dict)] \
+        if isinstance(objects, list) else []
+    return [name for name in names if name and isinstance(name, str)]
 
 
 def time_jump_s(parameters):
@@ -137,7 +150,8 @@ def why_unknown(state):
     for body in (state.body_a, state.body_b):
         if state.reason.startswith(body + ": "):
             text = state.reason[len(body) + 2:]
-    what = next((what for what, pattern in REASONS if re.match(pattern, text)), "body unusable")
+    fallback = "state unknown" if text == state.reason else "body unusable"
+    what = next((what for what, pattern in REASONS if re.match(pattern, text)), fallback)
     return what, state.reason
 
 
@@ -263,8 +277,9 @@ class Judge:
                 self.failure = self._never_held()
                 return
         elif not holds:
+            held_s = self.newest_s - self.held_since_s
             self.failure = (f"not held: {self.wish()} since {self.held_since_s:.3f}, for "
-                            f"{stamp_s - self.held_since_s:.3f} of {wanted.hold_s:g} s, until it "
+                            f"{held_s:.3f} of {wanted.hold_s:g} s, until it "
                             f"was {STATE_NAMES[state]} with {pairs} pairs at {stamp_s:.3f}")
             return
         if self.held_since_s is not None and self.newest_s - self.held_since_s >= wanted.hold_s:
@@ -300,4 +315,5 @@ class Judge:
         least = f", least distance {self.least_m:.6g} m" if math.isfinite(self.least_m) else ""
         return (f"seen in {len(states)} messages from {min(stamps):.3f} to {max(stamps):.3f}: "
                 f"{counts}; {min(pairs)} to {max(pairs)} pairs, greatest age "
-                f"{max(self.ages_s):.3f} s{least}; last {STATE_NAMES[states[-1]]} with {pairs[-1]} pairs")
+                f"{max(self.ages_s):.3f} s{least}; last {STATE_NAMES[states[-1]]} with "
+                f"{pairs[-1]} pairs")

@@ -5,9 +5,9 @@ but messages and times that it is given; ContactSubscriber needs rospy.
 """
 import io
 import math
-import struct
 import threading
 import time
+from ctypes import c_float
 
 NONE, NEAR, CONTACT, ALLOWED, UNKNOWN, PASSED = range(6)
 
@@ -98,11 +98,6 @@ def is_of(name, body):
 def margin_of(margins, name):
     """A part has the margin of its object, unless it has its own."""
     return margins.get(name, margins.get(name.rpartition(":")[0], margins["*"]))
-
-
-def to_float32(number):
-    """The nearest float32, as a monitor keeps margins and distances."""
-    return struct.unpack("f", struct.pack("f", number))[0]
 
 
 def margins_of(parameters):
@@ -426,7 +421,7 @@ class ContactSubscriber:
         below = [(state, margin_m) for state, margin_m in
                  ((state, max(margin_of(margins, state.body_a),
                               margin_of(margins, state.body_b))) for state in states.states)
-                 if state.state != ALLOWED and to_float32(margin_m) < to_float32(clearance_m)]
+                 if state.state != ALLOWED and c_float(margin_m).value < c_float(clearance_m).value]
         if below:
             state, margin_m = below[0]
             rospy.logwarn("the monitor's margin_m of %d pair(s), such as %s and %s (%g m), is below "

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 
@@ -151,6 +152,22 @@ void lookAtText(const BagMessage& message, BagContents* contents) {
   }
 }
 
+// Link meshes that cannot be read hide the links, as others that are rejected do. Throws then, so
+// that they are counted as damaged, too.
+void lookAtLinks(const BagMessage& message, BagContents* contents) {
+  const auto same = [](const RecordedLinkMeshes& a, const RecordedLinkMeshes& b) {
+    return a.message.meshes == b.message.meshes && a.problem == b.problem;
+  };
+  RecordedLinkMeshes links;
+  try {
+    links.message = toLinkMeshes(message);
+  } catch (const std::exception& error) {
+    links.problem = error.what();
+  }
+  addChange(message.received, links, same, &contents->link_meshes);
+  if (!links.problem.empty()) throw std::runtime_error(links.problem);
+}
+
 void lookAt(const BagMessage& message, Scan* scan, BagContents::Topic* topic,
             BagContents* contents) {
   const BagTopics& chosen = contents->chosen;
@@ -162,10 +179,7 @@ void lookAt(const BagMessage& message, Scan* scan, BagContents::Topic* topic,
     lookAtJoints(message, scan, contents);
   }
   if (isMesh(message)) lookAtMesh(message, scan, topic, contents);
-  if (isLinkMeshes(message) && is_on(chosen.link_meshes)) {
-    const auto same = [](const LinkMeshes& a, const LinkMeshes& b) { return a.meshes == b.meshes; };
-    addChange(message.received, toLinkMeshes(message), same, &contents->link_meshes);
-  }
+  if (isLinkMeshes(message) && is_on(chosen.link_meshes)) lookAtLinks(message, contents);
   if (isText(message)) lookAtText(message, contents);
 }
 

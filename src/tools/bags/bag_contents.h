@@ -51,6 +51,12 @@ std::size_t indexAt(const History<T>& history, const ros::Time& received) {
   return later == history.begin() ? 0 : static_cast<std::size_t>(later - history.begin()) - 1;
 }
 
+// Link meshes as they were recorded, or why they cannot be read.
+struct RecordedLinkMeshes {
+  LinkMeshes message;
+  std::string problem;  // empty: there is none
+};
+
 // Everything that is known after the first reading. Stamps come from the messages' headers, not
 // from the time of recording, unless it says otherwise.
 struct BagContents {
@@ -107,7 +113,7 @@ struct BagContents {
   // at the same time [s].
   double transforms_ahead_s = 0;
   // These have no repetitions.
-  History<LinkMeshes> link_meshes;
+  History<RecordedLinkMeshes> link_meshes;
   std::map<std::string, History<std::string>> robot_descriptions;  // URDFs, by topic
   std::map<std::string, std::string> robot_semantics;              // the newest SRDFs, by topic
   std::string problem;  // why the reading stopped early; empty: it did not

@@ -32,9 +32,10 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// The child counts as crashed if it has sent no byte for so long [ms]. Before its first byte, it
-// opens all bags, which takes some seeks for each chunk of some 0.8 MB.
-constexpr std::uintmax_t kPatienceMs = 60000, kBytesPerMs = 50000;
+// The child counts as crashed if it sends no byte for so long. Before its first byte, it opens all
+// bags, which takes some seeks for each chunk of some 0.8 MB.
+constexpr int kPatienceMs = 60000;
+constexpr std::uintmax_t kBytesPerMs = 50000;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr rlim_t kMemory = RLIM_INFINITY;  // sanitizers reserve terabytes of addresses
 #else
@@ -320,7 +321,7 @@ BagReader::BagReader(std::vector<std::string> paths, BagSelection selection)
     if (!none) bytes += size;
   }
   constexpr std::uintmax_t kMostMs = std::numeric_limits<int>::max();
-  patience_ms_ = static_cast<int>(std::min(kPatienceMs + bytes / kBytesPerMs, kMostMs));
+  opening_ms_ = static_cast<int>(std::min(kPatienceMs + bytes / kBytesPerMs, kMostMs));
   int requests[2], messages[2];
   if (pipe2(requests, O_CLOEXEC) != 0 || pipe2(messages, O_CLOEXEC) != 0) {
     throw std::system_error(errno, std::generic_category(), "no pipe to a reader of bags");
@@ -363,11 +364,11 @@ void BagReader::serve() {
 }
 
 // Reads exactly `size` bytes. Returns false if the child is gone or silent for too long.
-bool BagReader::receive(void* data, std::size_t size) {
+bool BagReader::receive(void* data, std::size_t size, int patience_ms) {
   char* at = static_cast<char*>(data);
   while (size > 0) {
     pollfd waiting{messages_, POLLIN, 0};
-    const int ready = poll(&waiting, 1, patience_ms_);
+    const int ready = poll(&waiting, 1, patience_ms);
     if (ready < 0 && errno == EINTR) continue;
     if (ready <= 0) return false;
     const ssize_t count = ::read(messages_, at, size);
@@ -381,7 +382,7 @@ bool BagReader::receive(void* data, std::size_t size) {
 
 std::string BagReader::receiveText(std::size_t size) {
   std::string text(size, '\0');
-  if (!receive(text.data(), size)) gone_ = true;
+  if (!receive(text.data(), size, kPatienceMs)) gone_ = true;
   return text;
 }
 
@@ -391,8 +392,10 @@ std::string BagReader::read(const std::function<void(const BagMessage&)>& visit)
   if (gone_ || write(requests_, &request, 1) != 1) return kCrashed;
   gone_ = true;  // until an answer is complete
   Header header;
-  while (receive(&header, sizeof header)) {
+  int patience_ms = opening_ms_;
+  while (receive(&header, sizeof header, patience_ms)) {
     gone_ = false;
+    patience_ms = kPatienceMs;
     // The child may be damaged by the bag, so its lengths are checked too.
     const std::uint64_t texts =
         std::uint64_t{header.topic} + header.type + header.md5 + header.publisher;
@@ -414,7 +417,7 @@ std::string BagReader::read(const std::function<void(const BagMessage&)>& visit)
     message.md5 = receiveText(header.md5);
     message.publisher = receiveText(header.publisher);
     message.bytes.resize(header.bytes);
-    if (gone_ || !receive(message.bytes.data(), message.bytes.size())) break;
+    if (gone_ || !receive(message.bytes.data(), message.bytes.size(), kPatienceMs)) break;
     message.received = ros::Time(header.sec, header.nsec);
     message.clock = ros::Time(header.clock_sec, header.clock_nsec);
     gone_ = true;

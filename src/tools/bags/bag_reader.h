@@ -64,7 +64,7 @@ class BagReader {
   const std::map<std::string, std::string>& topics() const { return topics_; }
 
  private:
-  bool receive(void* data, std::size_t size);
+  bool receive(void* data, std::size_t size, int patience_ms);
   std::string receiveText(std::size_t size);
   [[noreturn]] void serve();
 
@@ -74,7 +74,7 @@ class BagReader {
   pid_t process_ = -1;
   int requests_ = -1, messages_ = -1;  // this process's ends of the pipes
   bool gone_ = false;                  // the child ended, or must not be asked again
-  int patience_ms_ = 0;                // how long the child may be silent
+  int opening_ms_ = 0;                 // how long the child may be silent at first
 };
 
 }  // namespace deformable_contact_monitor

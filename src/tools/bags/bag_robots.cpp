@@ -39,14 +39,19 @@ History<RobotGeometry> robotsOf(const History<T>& values, const MonitorParameter
   return robots;
 }
 
-// Adds a robot without shapes for each rejection, with the links of the robot before it, or of the
-// first one.
+// Adds a robot without shapes where the first message is rejected after one that was not, with the
+// links of the robot before it, or of the first one.
 History<RobotGeometry> withRejections(const History<RobotGeometry>& robots,
                                       const Rejections& rejections) {
   History<RobotGeometry> all = robots;
-  for (const Recorded<std::string>& one : rejections) {
-    all.push_back(
-        {one.received, withoutShapes(robots[indexAt(robots, one.received)].value, one.value)});
+  const auto later = [&robots](const ros::Time& time) {  // robots that came later
+    return std::count_if(robots.begin(), robots.end(),
+                         [&time](const auto& robot) { return time < robot.received; });
+  };
+  for (std::size_t i = 0; i < rejections.size(); ++i) {
+    const ros::Time& time = rejections[i].received;
+    if (i > 0 && later(rejections[i - 1].received) == later(time)) continue;
+    all.push_back({time, withoutShapes(robots[indexAt(robots, time)].value, rejections[i].value)});
   }
   std::stable_sort(all.begin(), all.end(),
                    [](const auto& a, const auto& b) { return a.received < b.received; });
@@ -133,10 +138,11 @@ History<RobotGeometry> loadBagRobots(const BagFiles& files, const MonitorParamet
   Rejections rejections;
   if (!contents.link_meshes.empty()) {
     *from = "the bags' link meshes";
-    const History<RobotGeometry> robots = robotsOf<LinkMeshes>(
+    const History<RobotGeometry> robots = robotsOf<RecordedLinkMeshes>(
         contents.link_meshes, parameters,
-        [&](const LinkMeshes& message) {
-          const RobotGeometry sent = fromLinkMeshes(message);
+        [&](const RecordedLinkMeshes& recorded) {
+          if (!recorded.problem.empty()) throw std::runtime_error(recorded.problem);
+          const RobotGeometry sent = fromLinkMeshes(recorded.message);
           const std::string ignored = ignoredLinksWarning(sent, parameters.geometry);
           if (!ignored.empty()) warn(ignored);
           RobotGeometry robot = selectedLinks(sent, parameters.geometry);
@@ -166,6 +172,12 @@ History<RobotGeometry> loadBagRobots(const BagFiles& files, const MonitorParamet
          " is not used: " + one.value);
   }
   return robots;
+}
+
+std::size_t firstWithShapes(const History<RobotGeometry>& robots) {
+  const auto first = std::find_if(robots.begin(), robots.end(),
+                                  [](const auto& robot) { return !isWithoutShapes(robot.value); });
+  return first == robots.end() ? 0 : static_cast<std::size_t>(first - robots.begin());
 }
 
 // TF has priority: only frames that it does not have are added.

@@ -19,6 +19,10 @@ History<RobotGeometry> loadBagRobots(const BagFiles& files, const MonitorParamet
                                      const BagContents& contents, std::string* from,
                                      const std::function<void(const std::string&)>& warn);
 
+// Returns the index of the first of these robots whose links have shapes; 0 if there is none.
+// Others stand for link meshes that were rejected.
+std::size_t firstWithShapes(const History<RobotGeometry>& robots);
+
 // Adds the frames that joint states and the URDF give and TF does not have to `contents`. Does
 // nothing for the parameter `robots`: robots of one URDF have joints of the same names.
 void useJointStates(const BagFiles& files, const MonitorParameters& parameters,

@@ -155,7 +155,7 @@ PlayedObject playedObject(const SceneObject& settings, const BagSetup& setup) {
   played.frame =
       settings.frame.empty() ? setup.parameters.reference_frame : plainFrame(settings.frame);
   played.rate_hz = settings.rate_hz;
-  const RobotGeometry& robot = setup.robots.front().value;
+  const RobotGeometry& robot = setup.robots[firstWithShapes(setup.robots)].value;
   played.next = settings.shape.object.empty()
                     ? makeFileSource(settings, [](std::size_t) {})
                     : makeSoftSource(settings, makeSoftWorld(settings, robot));

@@ -120,19 +120,20 @@ BagSetup setUp(const EvaluateArguments& arguments, const MonitorParameters& conf
 
 // Returns the margin of an object, a part of one or a link [m]. For an object this is the least
 // margin of its parts, because its NONE is certain only up to that.
-double marginOf(const MonitorParameters& parameters, const std::string& body) {
+BodyMargin marginOf(const MonitorParameters& parameters, const std::string& body) {
   for (const ObjectParameters& object : parameters.objects) {
     if (!hasName(bodyOf(object), body)) continue;
     float margin_m = object.margin_m;
     for (const PartParameters& part : object.parts) {
-      if (body == object.name + ":" + part.name) return part.margin_m.value_or(object.margin_m);
+      if (body == object.name + ":" + part.name) {
+        return {object.name, part.margin_m.value_or(object.margin_m)};
+      }
       margin_m = std::min(margin_m, part.margin_m.value_or(margin_m));
     }
-    return margin_m;
+    return {object.name, margin_m};
   }
   const RigidParameters* const rigid = findRigid(parameters, body);
-  if (rigid != nullptr) return rigid->margin_m;
-  return linkMarginM(parameters, body);
+  return {body, rigid != nullptr ? rigid->margin_m : linkMarginM(parameters, body)};
 }
 
 // Marks the expectations that name something else than an object or a link with geometry of any

@@ -63,15 +63,13 @@ std::string seen(const ContactState* state) {
          " pairs" + (state->reason.empty() ? "" : " (" + state->reason + ")");
 }
 
-// Returns the name of the body that the name of a part begins with.
-std::string bodyOf(const std::string& name) { return name.substr(0, name.find(':')); }
-
 // Returns whether the pair is UNKNOWN because TransformLookup found no transform of a body. Reasons
 // name the body, also for the state of a part.
 bool lacksTransform(const ContactState& state) {
   if (state.state != ContactState::UNKNOWN) return false;
   for (const std::string& name : {state.body_a, state.body_b}) {
-    if (state.reason.rfind(bodyOf(name) + ": TF ", 0) == 0) return true;
+    const std::string body = name.substr(0, name.find(':'));
+    if (state.reason.rfind(body + ": TF ", 0) == 0) return true;
   }
   return false;
 }
@@ -132,19 +130,20 @@ void checkBodies(const std::vector<std::string>& bodies, const std::set<std::str
   }
 }
 
-void checkMargins(const std::function<double(const std::string&)>& marginOf, bool near_pairs,
+void checkMargins(const std::function<BodyMargin(const std::string&)>& marginOf, bool near_pairs,
                   std::vector<Expectation>* expectations) {
   for (Expectation& e : *expectations) {
     if (!e.problem.empty()) continue;
     // The monitor keeps margins as float32, and the larger one counts.
-    const double margin_m = std::max(marginOf(e.link), marginOf(e.object));
+    const BodyMargin one = marginOf(e.link), other = marginOf(e.object);
+    const double margin_m = std::max(one.margin_m, other.margin_m);
     if (e.keeps_m == 0) {
       if (e.min_pairs > 1 && near_pairs) {
         e.problem =
             "min_pairs: with near_pairs, pairs within the margin count, too; set near_pairs "
             "to false";
       }
-    } else if (bodyOf(e.link) == bodyOf(e.object)) {
+    } else if (one.body == other.body) {
       e.problem = "keeps_m: a body has no distance from itself";
     } else if (static_cast<float>(e.keeps_m) > static_cast<float>(margin_m)) {
       e.problem = "keeps_m " + metres(e.keeps_m) + " is above the margin of the two, " +

@@ -45,8 +45,12 @@ void checkBodies(const std::vector<std::string>& bodies, const std::set<std::str
 // Sets the problem of each keeps_m that cannot be shown: above the margin of its two bodies,
 // because a state NONE says only that they are farther apart than that, or of a body with itself.
 // Sets that of a min_pairs above 1 if `near_pairs` may count among the pairs, because they are no
-// touches. `marginOf` returns the margin of a body [m].
-void checkMargins(const std::function<double(const std::string&)>& marginOf, bool near_pairs,
+// touches. `marginOf` returns the margin of a body or part [m], and the body that a part is of.
+struct BodyMargin {
+  std::string body;
+  double margin_m = 0;
+};
+void checkMargins(const std::function<BodyMargin(const std::string&)>& marginOf, bool near_pairs,
                   std::vector<Expectation>* expectations);
 
 // Checks expectations on the cycles of one run:

@@ -9,9 +9,11 @@
 #include <stdexcept>
 #include <utility>
 
+#include "monitor/diagnostics/robot_checks.h"
 #include "monitor/time_difference.h"
 #include "tools/bags/bag_contents.h"
 #include "tools/bags/bag_cycles.h"
+#include "tools/bags/bag_robots.h"
 #include "tools/bags/bag_setup.h"
 #include "tools/measure_trade/frame_source.h"
 
@@ -181,8 +183,9 @@ std::unique_ptr<FrameSource> makeBagFrames(const BagFiles& files, std::size_t mo
   std::size_t count = 0, unknown = 0;
   const std::string problem = cycles.run(&reader, [&](CycleReport* cycle) {
     if (!cycles.forgets().empty()) frames->forget();
-    // All frames are of one scene, whose links do not change.
-    if (cycles.robot() != 0) {
+    // All frames are of one scene, whose links do not change. Without shapes nothing is looked for.
+    if (isWithoutShapes(setup.robots[cycles.robot()].value)) return;
+    if (cycles.robot() != firstWithShapes(setup.robots)) {
       if (!has_changed) {
         warn("the robot changes at " + stampText(cycle->header.stamp) +
              "; cycles with another than the first one are left out");

@@ -57,8 +57,8 @@ TEST(UnknownMarkersTest, HiddenTrianglesAreAReason) {
       EXPECT_THROW(markerOf(array, "unknown"), std::runtime_error);
     } else {
       EXPECT_EQ(markerOf(array, "unknown").text,
-                "cloth is UNKNOWN: 1 of 3 triangles have a vertex that is not finite "
-                "(tolerated_rejects)");
+                "cloth is UNKNOWN where it does not touch: 1 of 3 triangles have a vertex that is "
+                "not finite (tolerated_rejects)");
     }
   }
 }

@@ -338,11 +338,22 @@ class Settings(unittest.TestCase):
         self.check({"margin_m": 0.25}, {"keeps_m": 0.25}, "")
         self.check({"margin_m": 0.7}, {"keeps_m": 0.7}, "")  # both are float32
 
+    def test_no_distance_is_known_within_a_body(self):
+        parameters = {"margin_m": 1, "objects": [{"name": "cloth"}, {"name": "left:rope"}]}
+        for link, other, is_within in (("cloth:hem", "cloth:logo", True),
+                                       ("left:hand", "left:tool", False),
+                                       ("left:hand", "left:rope", False),
+                                       ("cloth2", "cloth:hem", False)):
+            self.check(parameters, {"link": link, "object": other, "keeps_m": 0.5},
+                       "no distance from itself" if is_within else "")
+
     def test_near_pairs_are_no_contacts(self):
-        for state, pairs, problem in (("contact", 1, "^pairs not counted: min_pairs .*near_pairs"),
-                                      ("contact", 0, ""), ("near", 1, "")):
-            self.check({"near_pairs": True}, {"state": state, "min_pairs": pairs}, problem)
-            self.check({"near_pairs": False}, {"state": state, "min_pairs": pairs}, "")
+        for state, pairs, problem in (("contact", 2, "^pairs not counted: min_pairs .*near_pairs"),
+                                      ("contact", 1, ""), ("near", 2, "")):
+            wanted = {"state": state, "min_pairs": pairs}
+            self.check({"near_pairs": True, "margin_m": 0.1}, wanted, problem)
+            self.check({"near_pairs": True}, wanted, "")
+            self.check({"near_pairs": False, "margin_m": 0.1}, wanted, "")
 
     def test_pairs_that_were_not_found_do_not_count(self):
         for name in ("budget_ms", "tolerance_m"):
@@ -379,6 +390,8 @@ class Reasons(unittest.TestCase):
         for reason, phrase in (("no new mesh within max_mesh_age_s", "mesh stale"),
                                ("busy: a cycle has been running for 2 s", "monitor busy"),
                                ("not looked at yet", "monitor reset"), ("", "state unknown"),
+                               ("robot changed", "monitor reset"), ("strange", "state unknown"),
+                               ("in the step: no time", "monitor too slow"),
                                ("not decided in time", "monitor too slow"),
                                ("detection failed: no memory", "detection failed"),
                                ("contacts were left out: memory_limit_mib", "memory limit"),
