@@ -2,7 +2,7 @@
 """Prints each second which bodies touch, with how many triangle pairs, and the latency.
 
 Usage: demo_report.py [--seconds N]. Ends by itself after N seconds of wall time: exit code 0 if
-contacts were reported in each of the last seconds that count, 1 if the monitor stayed silent.
+contacts were reported, also in the last 3 s; 1 if the monitor was silent.
 """
 import argparse
 import statistics
@@ -13,6 +13,9 @@ import time
 import rospy
 from deformable_contact_monitor.msg import ContactArray, ContactState, ContactStates
 from rosgraph_msgs.msg import Log
+
+
+MOST_SILENCE_S = 3
 
 
 def why_incomplete(message):
@@ -106,16 +109,17 @@ def main():
     rospy.init_node("demo_report", disable_signals=False)
     report = Report()
     start = time.monotonic()
-    cycles = 0
+    last_cycle = -MOST_SILENCE_S
     tick = 0
     while not rospy.is_shutdown() and (args.seconds <= 0 or tick < args.seconds):
         tick += 1
         # Sleeps in wall time, so that a monitor that waits for /clock is reported as silent.
         time.sleep(max(0, start + tick - time.monotonic()))
         second = report.take()
-        cycles += len(second.age_ms)
+        if second.age_ms:
+            last_cycle = tick
         print("%5d s | %s" % (tick, second.line()), flush=True)
-    return 0 if cycles > 0 else 1
+    return 0 if tick - last_cycle < MOST_SILENCE_S else 1
 
 
 if __name__ == "__main__":

@@ -136,6 +136,8 @@ def main():
         if complete and not watches:
             end, watches = time.monotonic() + arguments.watch, True
         time.sleep(0.2)
+    if rospy.is_shutdown():
+        return  # Ctrl-C
     with open(CONFIG) as file:
         text = file.read()
     box = box_of(points)

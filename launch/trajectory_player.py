@@ -92,7 +92,7 @@ class Player:
         self._done = rospy.Publisher("~done", Bool, queue_size=1, latch=True)
 
     def run(self):
-        rate = rospy.Rate(1 / self._period_s)
+        rate = rospy.Rate(1 / self._period_s, reset=True)  # a simulator's clock may go back
         while not rospy.is_shutdown():
             self._step()
             if self._time_s >= self._motion.end_s:

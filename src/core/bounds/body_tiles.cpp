@@ -66,15 +66,18 @@ bool BodyTiles::update(const Body& body, std::shared_ptr<const Tiling> tiling,
                        const CycleLimit& limit) {
   body_ = &body;
   ++cycle_;
+  // What throws is done again next time, so revisions are noted afterwards.
   if (tiling_ != tiling || topology_revision_ != body.topology_revision) {
+    topology_revision_ = parts_revision_ = 0;
     begin(std::move(tiling));
+    findParts();
     topology_revision_ = body.topology_revision;
     parts_revision_ = body.parts_revision;
-    findParts();
   }
   if (parts_revision_ != body.parts_revision) {
-    parts_revision_ = body.parts_revision;
+    parts_revision_ = 0;
     findParts();
+    parts_revision_ = body.parts_revision;
   }
   if (vertices_revision_ != body.vertices_revision && !receive(limit)) return false;
   is_identity_ = body.pose.isIdentity();
@@ -206,6 +209,10 @@ const PosedTile& BodyTiles::tile(std::size_t tile) const {
   if (slot.made.load(std::memory_order_acquire) == cycle_) return *slot.tile;
   while (slot.busy.test_and_set(std::memory_order_acquire)) {
   }
+  const struct Release {  // also if memory is short
+    std::atomic_flag& busy;
+    ~Release() { busy.clear(std::memory_order_release); }
+  } release{slot.busy};
   if (slot.made.load(std::memory_order_relaxed) != cycle_) {
     if (slot.tile == nullptr) slot.tile = std::make_unique<PosedTile>();
     if (tiling_) {
@@ -215,7 +222,6 @@ const PosedTile& BodyTiles::tile(std::size_t tile) const {
     }
     slot.made.store(cycle_, std::memory_order_release);
   }
-  slot.busy.clear(std::memory_order_release);
   return *slot.tile;
 }
 

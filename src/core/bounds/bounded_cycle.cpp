@@ -272,13 +272,14 @@ void BoundedCycle::addBounds(const Scene& scene, const Options& options, const C
   countRejected(scene);
 }
 
-// Counts rejected triangles of the bodies that the exact detector did not see. If parts matter,
-// some parts may have no pair among its pairs, so that all bodies are counted.
+// Counts rejected triangles of the bodies that the exact detector did not see. All bodies are
+// counted if it was cut off, because it may not have come to all of its bodies, and if parts
+// matter, because some parts may have no pair among its pairs.
 void BoundedCycle::countRejected(const Scene& scene) {
-  const bool parts_matter = scene.partsMatter();
+  const bool counts_all = scene.partsMatter() || result_.cut_off;
   std::vector<BodyId> unknown;
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
-    const bool was_seen = !parts_matter && isInAny(exact_pairs_, id);
+    const bool was_seen = !counts_all && isInAny(exact_pairs_, id);
     if (isInAny(tiled_pairs_, id) && !was_seen && rounds_.mayReject(id)) unknown.push_back(id);
   }
   if (unknown.empty()) {
@@ -286,7 +287,7 @@ void BoundedCycle::countRejected(const Scene& scene) {
     return;
   }
   const std::vector<RejectedTriangles> rejected = rejectedTriangles(scene);
-  if (parts_matter) {
+  if (counts_all) {
     result_.counters.rejected = 0;
     unknown.resize(scene.bodyCount());
     std::iota(unknown.begin(), unknown.end(), BodyId{0});

@@ -182,6 +182,11 @@ void InflatedDetector::takeSearch() {
     }
     result_.distances.swap(search_.distances);
   }
+  // The list may have had no time to look at the triangles that the search rejected.
+  if (search_.counters.rejected > result_.counters.rejected) {
+    result_.counters.rejected = search_.counters.rejected;
+    result_.rejected_parts.swap(search_.rejected_parts);
+  }
   if (search_.cut_off) result_.cutOff(search_.cut_off_because);
   result_.guaranteed = result_.guaranteed && search_.guaranteed;
   for (const auto& stage : search_.stages_ms) {

@@ -86,16 +86,20 @@ const Box& boxAs(const MovingBox& box) {
 
 }  // namespace
 
-// Updates the box of vertices as received if they have changed. Returns false if the limit is over.
+// Updates the box of vertices as received if they have changed. Returns false if the limit is over;
+// then, and if it throws, the box is made again next time, because it has only some of the
+// vertices.
 bool BodyBoxes::updateReceived(std::uint64_t revision, const HostList<float>& xyz,
                                const CycleLimit& limit, ReceivedBox& received) const {
   if (received.vertices_revision == revision) return true;
   const std::size_t every = xyz.size() / 3 / most_vertices_ + 1;
-  received = {revision, Aabb(), every == 1};
-  if (every == 1) received.all_finite = boundFinite(xyz, limit, received.box);
-  if (!received.all_finite) received.box = boxOfFiniteVertices(xyz, every, limit);
-  if (limit.wasOver()) received = ReceivedBox();  // it holds only some of the vertices
-  return !limit.wasOver();
+  received = ReceivedBox();
+  ReceivedBox made{revision, Aabb(), every == 1};
+  if (every == 1) made.all_finite = boundFinite(xyz, limit, made.box);
+  if (!made.all_finite) made.box = boxOfFiniteVertices(xyz, every, limit);
+  if (limit.wasOver()) return false;
+  received = made;
+  return true;
 }
 
 template <class Primitive>

@@ -268,8 +268,19 @@ TransformReport MonitorScene::prepareChosen(const ros::Time& t, const CycleTrigg
                                             const TransformLookup& lookup) {
   clearStatuses();
   markTriggered(trigger);
-  followParts(t, choose);
-  const std::vector<const IncomingMesh*> meshes = chooseMeshes(choose);
+  // Transforms arrive meanwhile, and a mesh that is chosen twice must be the same.
+  std::vector<std::optional<std::pair<const IncomingMesh*, std::string>>> chosen(choosers_.size());
+  const MeshChoice once = [&](std::size_t object, std::string* why_not) {
+    auto& one = chosen[object];
+    if (!one) {
+      one.emplace();
+      one->first = choose(object, &one->second);
+    }
+    *why_not = one->second;
+    return one->first;
+  };
+  followParts(t, once);
+  const std::vector<const IncomingMesh*> meshes = chooseMeshes(once);
   const std::vector<bool> needed = neededBodies();
 
   std::vector<Question> questions;

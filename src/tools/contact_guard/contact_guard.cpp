@@ -23,6 +23,7 @@
 
 #include "core/steady_time.h"
 #include "tools/common/command_line.h"
+#include "tools/common/formatted.h"
 #include "tools/common/ros_words.h"
 #include "tools/common/run_tool.h"
 #include "tools/contact_guard/guard.h"
@@ -123,10 +124,7 @@ class GuardNode {
   // Logs a stop of the last second that began or went on for another reason, or that there was
   // none any more. `because`: why the robot was stopped last; empty: it was not.
   void tell(const std::string& because) {
-    std::string reason = because;
-    reason.erase(std::remove_if(reason.begin(), reason.end(),  // numbers always change
-                                [](char c) { return (c >= '0' && c <= '9') || c == '.'; }),
-                 reason.end());
+    std::string reason = withoutNumbers(because);
     if (reason == told_) return;
     told_ = std::move(reason);
     if (because.empty()) {

@@ -2,33 +2,12 @@
 #include "tools/evaluate_bag/run_statistics.h"
 
 #include <algorithm>
-#include <cctype>
 #include <set>
 #include <tuple>
 
+#include "tools/common/formatted.h"
+
 namespace deformable_contact_monitor {
-namespace {
-
-bool isDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
-
-// Replaces numbers by '#', because stamps and counts differ from cycle to cycle. Digits within a
-// word, as in "link_2", are part of a name and stay.
-std::string withoutNumbers(const std::string& text) {
-  std::string kept;
-  for (std::size_t i = 0; i < text.size();) {
-    std::size_t end = i;
-    if (i == 0 || text[i - 1] == ' ') {
-      while (end < text.size() && (isDigit(text[end]) || text[end] == '.')) ++end;
-    }
-    // A number ends at a blank, at a comma or at the end of the text.
-    const bool is_number = end > i && (end == text.size() || text[end] == ' ' || text[end] == ',');
-    kept += is_number ? '#' : text[i];
-    i = is_number ? end : i + 1;
-  }
-  return kept;
-}
-
-}  // namespace
 
 // An interval without a beginning belongs to an object's first mesh, and does not count.
 void RunSteps::look(const CycleReport& cycle) {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <stdexcept>
 #include <utility>
 
 #include "core/steady_time.h"
@@ -58,6 +59,11 @@ FrameDistances measureMargin(FrameSource* frames, const CycleCounts& cycles, con
     const SteadyTime start = std::chrono::steady_clock::now();
     const DetectionResult& result = detector->detect(frames->scene(), chosen);
     const double ms = 1e3 * toSeconds(std::chrono::steady_clock::now() - start);
+    if (result.cut_off || result.left_out > 0) {
+      throw std::runtime_error(
+          "not all pairs were found, so there is nothing to compare with: " +
+          (result.cut_off ? result.cut_off_because : "memory_limit_mib; set smaller --margins-m"));
+    }
     distances.push_back(distancesOf(result, sum->setting.use));
     if (!is_counted) return;
     if (sum->ms.size() == frame) sum->rejected += result.counters.rejected;  // the first pass

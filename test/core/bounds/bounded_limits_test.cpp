@@ -3,12 +3,15 @@
 
 #include <atomic>
 #include <chrono>
+#include <limits>
 #include <map>
+#include <memory_resource>
 #include <random>
 #include <utility>
 #include <vector>
 
 #include "bounded_fixture.h"
+#include "core/bounds/bounded_cycle.h"
 #include "core/common/cycle_limit.h"
 #include "pair_sets.h"
 #include "random_scenes.h"
@@ -60,6 +63,28 @@ TEST_F(BoundedTest, ADeadlineThatIsOverLeavesAllOpen) {
       EXPECT_EQ(0, distance.low_m);
     }
   }
+}
+
+// The exact detector has no time for the self-contact of a body whose distance is decided.
+TEST_F(BoundedTest, WhatTheExactDetectorDidNotComeToIsRejectedAllTheSame) {
+  Scene scene = pairScene(clothGrid(40, 1, 0, 0.05F), clothGrid(5, 1, 3, 0));
+  TriangleMesh cloth = scene.body(0).mesh;
+  cloth.vertices[0] = std::numeric_limits<float>::quiet_NaN();
+  scene.setMesh(0, cloth);
+  scene.setPairEnabled(0, 0, true);
+  settle(scene);
+  DetectionResult nothing;
+  const auto exact = [&](const Scene& part, const Options& options) -> const DetectionResult& {
+    nothing.begin(part, options, true);
+    nothing.cutOff(kNoTime);
+    return nothing;
+  };
+  BoundedCycle cycle(exact, tilings_, *std::pmr::new_delete_resource());
+  const DetectionResult& result = cycle.detect(scene, withDeadline(std::chrono::hours(1)));
+  ASSERT_EQ(result.distances.size(), 1U);
+  EXPECT_EQ(decide(result.distances[0], 0, 0), PairDecision::kNone);
+  EXPECT_GT(result.counters.rejected, 0U);
+  EXPECT_EQ(result.counters.rejected, exact_->detect(scene, Options()).counters.rejected);
 }
 
 TEST_F(BoundedTest, AFlagEndsItToo) {

@@ -26,6 +26,14 @@ def hash_of(path, go_on=lambda: None):
     return digest.hexdigest()
 
 
+def _readable_hash(path, go_on):
+    """hash_of(), or None of a file that cannot be read: what needs it says so."""
+    try:
+        return hash_of(path, go_on)
+    except OSError:
+        return None
+
+
 def _percent_decoded(text):
     return os.fsdecode(urllib.parse.unquote_to_bytes(os.fsencode(text)))
 
@@ -78,10 +86,12 @@ def identity_of(tool, version, bag, arguments, go_on):
         words += _named_in(arguments[arguments.index("--config") + 1])
     for word in words:
         path = resolved(word) if len(word) < 4096 and "\n" not in word else None
-        content = hash_of(path, go_on) if path else None
+        content = _readable_hash(path, go_on) if path else None
         if content:
             files[word] = content
+    reader = os.path.join(os.path.dirname(os.path.realpath(tool)), "read_link_mesh")
     return {"version": version, "tool": hash_of(tool, go_on), "bag": hash_of(bag, go_on),
+            "reader": hash_of(reader, go_on),
             "arguments": arguments, "files": files,
             "packages": os.environ.get("ROS_PACKAGE_PATH", "")}
 
@@ -91,12 +101,13 @@ def meshes_of(summary, go_on):
     hash of a missing file is None."""
     names = {name for link in summary["configuration"]["links"]
              for name in link["source"].split("; ") if name.startswith("/") or "://" in name}
-    return {name: hash_of(resolved(name) or "", go_on) for name in sorted(names)}
+    return {name: _readable_hash(resolved(name) or "", go_on) for name in sorted(names)}
 
 
 def are_same_meshes(meshes, go_on):
     """A mesh that was missing and still is counts as the same: its link stays UNKNOWN."""
-    return all(hash_of(resolved(name) or "", go_on) == content for name, content in meshes.items())
+    return all(_readable_hash(resolved(name) or "", go_on) == content
+               for name, content in meshes.items())
 
 
 def short_hash(tree):

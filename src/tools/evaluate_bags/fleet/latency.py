@@ -13,10 +13,13 @@ TAIL = 200          # every one of the slowest cycles has a point
 
 
 def _cycles_of(folder):
-    """Yields (milliseconds, stamp) for the cycles of the first run."""
+    """Yields (milliseconds, stamp) for the cycles of the first run. Without a cycle there are no
+    titles either."""
     with open(os.path.join(folder, "frames.csv"), newline="", errors="replace") as file:
         rows = csv.reader(file)
-        titles = next(rows)
+        titles = next(rows, None)
+        if titles is None:
+            return
         run, ms, stamp = (titles.index(name) for name in ("run", "detect_ms", "stamp"))
         first = None
         for row in rows:
