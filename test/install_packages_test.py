@@ -80,7 +80,8 @@ class InstallPackages(unittest.TestCase):
     def test_bad_usage(self):
         self.fake_all()
         self.assertEqual(self.run_it("noetic").returncode, 2)
-        self.assertEqual(self.run_it(None, "no_such_section").returncode, 2)
+        for distro in (None, "noetic"):
+            self.assertEqual(self.run_it(distro, "no_such_section").returncode, 2)
 
 
 if __name__ == "__main__":
