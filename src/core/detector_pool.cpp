@@ -67,8 +67,8 @@ class WarmDetectors {
     std::uint64_t pairs_revision;  // of the last scene with these pairs; 0: it never ran
     std::unique_ptr<Detector> detector;
     std::uint64_t detector_bytes;
-    bool has_failed =
-        false;  // it may ask for the same memory again, so another one takes its place
+    // It may ask for the same memory again, so the next detect() makes another one.
+    bool has_failed = false;
   };
 
   // Moves the detector of the scene's pairs to the front.

@@ -368,33 +368,6 @@ TEST_P(Radii, AHiddenNodeMakesNoContactOfARopeWithItself) {
   EXPECT_FALSE(contacts(scene).empty());
 }
 
-// The search has time, and the list has none.
-class SearchOnly : public Detector {
- public:
-  std::string backend() const override { return "search"; }
-  void reset() override {}
-  void swapResult(DetectionResult& result) override { result_.swap(result); }
-  const DetectionResult& detect(const Scene& scene, const Options& options) override {
-    result_.begin(scene, options, true);
-    result_.counters.rejected = calls_++ == 0 ? 3 : 0;
-    return result_;
-  }
-
- private:
-  DetectionResult result_;
-  int calls_ = 0;
-};
-
-TEST(RadiiOfAPool, WhatTheSearchRejectedIsRejected) {
-  Scene scene = pairScene(grainsOf({{0, 0, 0}}), grainsOf({{1, 0, 0}}));
-  scene.setRadius(1, 0.25F);
-  scene.setMargin(0, 0.25F);
-  Options options;
-  options.nearest = true;
-  const auto detector = withRadiiAndPartMargins(std::make_unique<SearchOnly>());
-  EXPECT_EQ(detector->detect(scene, options).counters.rejected, 3U);
-}
-
 // The bounds that a deadline asks for agree with the list, also where rounding decides.
 TEST(RadiiOfAPool, BoundsAgreeWithWhatIsListed) {
   for (const float x : {std::nextafter(0.5F, 0.F), 0.5F, std::nextafter(0.5F, 1.F), 0.6F, 0.8F}) {

@@ -12,6 +12,7 @@
 
 #include "bounded_fixture.h"
 #include "core/bounds/bounded_cycle.h"
+#include "core/bounds/radii.h"
 #include "core/common/cycle_limit.h"
 #include "pair_sets.h"
 #include "random_scenes.h"
@@ -85,6 +86,34 @@ TEST_F(BoundedTest, WhatTheExactDetectorDidNotComeToIsRejectedAllTheSame) {
   EXPECT_EQ(decide(result.distances[0], 0, 0), PairDecision::kNone);
   EXPECT_GT(result.counters.rejected, 0U);
   EXPECT_EQ(result.counters.rejected, exact_->detect(scene, Options()).counters.rejected);
+}
+
+// Of bodies with a radius, the search has time, and the list has none.
+class SearchOnly : public Detector {
+ public:
+  std::string backend() const override { return "search"; }
+  void reset() override {}
+  void swapResult(DetectionResult& result) override { result_.swap(result); }
+  const DetectionResult& detect(const Scene& scene, const Options& options) override {
+    result_.begin(scene, options, true);
+    result_.counters.rejected = calls_++ == 0 ? 3 : 0;
+    return result_;
+  }
+
+ private:
+  DetectionResult result_;
+  int calls_ = 0;
+};
+
+TEST(LimitsOfRadii, WhatTheSearchRejectedIsRejected) {
+  Scene scene =
+      pairScene(meshOf({Triangle{}}), meshOf({Triangle{{{1, 0, 0}, {1, 0, 0}, {1, 0, 0}}}}));
+  scene.setRadius(1, 0.25F);
+  scene.setMargin(0, 0.25F);
+  Options options;
+  options.nearest = true;
+  const auto detector = withRadiiAndPartMargins(std::make_unique<SearchOnly>());
+  EXPECT_EQ(detector->detect(scene, options).counters.rejected, 3U);
 }
 
 TEST_F(BoundedTest, AFlagEndsItToo) {
