@@ -111,12 +111,14 @@ void CycleUpload::setParams(const Options& options, const CycleLimit& limit) {
   params = cycleParams(options, scene.triangleCount(), scene.groupCount(), scene.anyLengths(),
                        scene.tables().part_use);
   params.scale = inspector_.scale();
-  params.diagonals = DiagonalFrame(params.scale);
-  params.size = inspector_.sizeRule();
+  const SceneScale frame = scaleForRounding(params.scale, inspector_.sizeRule());
+  params.diagonals = DiagonalFrame(frame);
+  params.axes = AxisFrame(frame);
+  params.size = SizeBounds(inspector_.sizeRule());
   params.limited = limit.isSet() ? 1 : 0;
   params.partition = partition_;
   params.any_self = scene.anySelf() ? 1 : 0;
-  params.identities = scene.searchesEqualVertices(options) ? 1 : 0;
+  params.identities = scene.knownIdentities(options);
   params.fans = scene.anySelf() && asksForFans(options) ? 1 : 0;
 }
 
@@ -161,7 +163,7 @@ void CycleUpload::sizeBins(const Options& options, bool new_clusters) {
 }
 
 void CycleUpload::endCycle(const Options& options, bool started_cold) {
-  if (cycle_.params[0].identities != 0 && options.motion == Motion::kInstant) {
+  if (cycle_.params[0].identities == KnownIdentities::kAll && options.motion == Motion::kInstant) {
     cycle_.scene.setRepeatedVertices(cycle_.counted().repeated_vertices);
   }
   inspector_.endCycle(cycle_.counted(), options, cycle_.sizes.clusters,

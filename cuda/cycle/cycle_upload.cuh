@@ -14,7 +14,7 @@ namespace deformable_contact_monitor {
 class CycleUpload {
  public:
   explicit CycleUpload(DeviceCycle& cycle)
-      : cycle_(cycle), inspector_({3000, 8192, 100000, cycle.device.multiprocessors}) {}
+      : cycle_(cycle), inspector_({4000, 8192, 100000, cycle.device.multiprocessors}) {}
 
   // Makes the next cycle a cold start, which uses nothing of earlier scenes.
   void reset() { inspector_.startColdNext(); }

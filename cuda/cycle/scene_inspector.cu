@@ -89,7 +89,11 @@ void SceneInspector::endCycle(const CycleCounters& counted, const Options& optio
       std::uint64_t{samples} * counted.clustered < kSamplesEach * wanted_clusters_ * triangles;
   const bool more_oversized =
       counted.oversized > 2 * oversized_at_start_ + 64 + counted.clustered / 64;
-  cold_ = more_oversized || (wanted_clusters_ != clusters && few_samples);
+  constexpr std::uint32_t kTrianglesOfTile = 32, kFewOf = 8;
+  if (started_cold) misfits_at_start_ = counted.misfits;
+  const bool more_misfits =
+      counted.misfits > misfits_at_start_ + 8 + counted.clustered / (kTrianglesOfTile * kFewOf);
+  cold_ = more_oversized || more_misfits || (wanted_clusters_ != clusters && few_samples);
   sample_unrepresentative_ = cold_ && started_cold;
 }
 

@@ -58,9 +58,10 @@ class SceneInspector {
   void setSeeds(const ColdStart& start, const Options& options);
 
   // Decides after a cycle how the next one begins. If many more triangles are oversized than at the
-  // last inspection, the next cycle starts cold. If the scene needs another number of clusters, it
-  // gets new ones from samples of this cycle, or starts cold if these are too few. `samples`: the
-  // number of samples that were taken.
+  // last inspection, or an eighth more of the tiles do not fit the frame of rounded boxes, since
+  // the scene has moved or changed its size, the next cycle starts cold. If the scene needs another
+  // number of clusters, it gets new ones from samples of this cycle, or starts cold if these are
+  // too few. `samples`: the number of samples that were taken.
   void endCycle(const CycleCounters& counted, const Options& options, std::uint32_t clusters,
                 std::uint32_t samples, std::uint32_t triangles, bool started_cold);
 
@@ -82,7 +83,7 @@ class SceneInspector {
   Motion motion_ = Motion::kInstant;      // of the last cycle
   std::uint32_t wanted_clusters_ = 0;
   int asked_clusters_ = 0;  // Options::clusters of the last cold start
-  std::uint32_t oversized_at_start_ = 0;
+  std::uint32_t oversized_at_start_ = 0, misfits_at_start_ = 0;
   std::uint64_t changed_triangles_ = 0;  // since the last inspection
 };
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/predicates/aabb.h"
+#include "core/rules/axis_box.h"
 #include "core/rules/diagonal_box.h"
 #include "core/rules/intervals.h"
 #include "cuda/device/warp.cuh"
@@ -38,6 +39,16 @@ __device__ inline DiagonalBox warpDiagonals(DiagonalBox box) {
     for (PackedBox& part : box.parts) {
       part.lo = __vminu2(part.lo, __shfl_xor_sync(kFullWarp, part.lo, o));
       part.hi = __vmaxu2(part.hi, __shfl_xor_sync(kFullWarp, part.hi, o));
+    }
+  }
+  return box;
+}
+
+// Returns the box of all lanes' boxes. Called by a whole warp.
+__device__ inline AxisBox warpBox(AxisBox box) {
+  for (unsigned o = kWarp / 2; o > 0; o /= 2) {
+    for (std::uint32_t& word : box.words) {
+      word = __vminu2(word, __shfl_xor_sync(kFullWarp, word, o));
     }
   }
   return box;

@@ -109,10 +109,11 @@ struct SceneArrays : ArrayGroup {
   DeviceArray<std::uint32_t, Place> rejected{*this, &CycleSizes::parts};
   DeviceArray<BodyBlock, Place> vertex_blocks{*this, &CycleSizes::vertex_blocks};
   DeviceArray<BodyBlock, Place> triangle_blocks{*this, &CycleSizes::triangle_blocks};
-  // The bodies' triangles, grouped into tiles (stages/tiles.cuh); kNone in slots without a
-  // triangle.
+  // The bodies' triangles, grouped into tiles (stages/tiles.cuh).
   DeviceArray<BodyIndex, TileIndex> tile_body{*this, &CycleSizes::tiles};
-  DeviceArray<TriangleIndex, TileEntryIndex> slot_triangle{*this, &CycleSizes::slots};
+  // The numbers of each slot's vertices in x, y and z, and that of its triangle in w; without a
+  // triangle 0 and kNone.
+  DeviceArray<uint4, TileEntryIndex> slot_numbers{*this, &CycleSizes::slots};
   // The slots of the same tile whose triangles share a vertex with this one by its number, as bits.
   DeviceArray<std::uint32_t, TileEntryIndex> slot_neighbours{*this, &CycleSizes::slots};
   // The inputs of tiling: the range of most of a body's vertices, in its frame [m], and the
@@ -178,7 +179,7 @@ struct TileArrays : ArrayGroup {
   DeviceArray<TileEntry, TileEntryIndex> entries{*this, &CycleSizes::slots};
   DeviceArray<TileBounds, TileIndex> bounds{*this, &CycleSizes::tiles};
   DeviceArray<EarlierTileEntry, TileEntryIndex> earlier{*this, &CycleSizes::swept_slots};
-  // The ids of each entry's vertices, if some body may have contacts with itself.
+  // The ids of each entry's vertices, if equal vertices are searched.
   DeviceArray<uint4, TileEntryIndex> ids{*this, &CycleSizes::slots};
   DeviceArray<TileState, TileIndex> states{*this, &CycleSizes::tiles};
   DeviceArray<TileEntryIndex, Place> oversized{*this, &CycleSizes::slots};
@@ -192,10 +193,6 @@ struct TileArrays : ArrayGroup {
     TileEntry entry;
     memcpy(&entry, words, sizeof entry);
     return entry;
-  }
-  // Return the bounds of one entry.
-  __device__ Aabb boxOf(TileEntryIndex slot) const {
-    return bounds[TileIndex(slot.value / kWarp)].box(slot.value % kWarp).box();
   }
   __device__ const DiagonalBox& diagonalsOf(TileEntryIndex slot) const {
     return bounds[TileIndex(slot.value / kWarp)].diagonals[slot.value % kWarp];

@@ -5,6 +5,7 @@
 
 #include "core/detector.h"
 #include "core/options.h"
+#include "core/rules/axis_box.h"
 #include "core/rules/diagonal_box.h"
 #include "core/rules/scene_scale.h"
 #include "cuda/partitions/scene_partition.h"
@@ -23,10 +24,15 @@ constexpr std::uint32_t kLeastUnitColumns = 8, kMostUnitColumns = 64;
 
 // The settings of a cycle. They are not part of a recorded graph, so they may change in every
 // cycle.
+// What the sweep knows of vertices that are equal: nothing; only which ones are the same by their
+// number (SceneArrays::slot_numbers); or all, by their ids (TileArrays::ids).
+enum class KnownIdentities : std::uint32_t { kNone, kNumbers, kAll };
+
 struct CycleParams {
   SceneScale scale;
   DiagonalFrame diagonals;
-  SizeRule size;
+  AxisFrame axes;
+  SizeBounds size;
   float overlap;
   float fuzzifier;
   AdjacentPairs adjacent;
@@ -44,13 +50,13 @@ struct CycleParams {
   std::uint32_t unit_columns;  // a multiple of kLeastUnitColumns
   std::uint32_t index_bits;    // of a triangle's number, in the key of a contact
   std::uint32_t any_self;      // 1 if some body may have contacts with itself
-  std::uint32_t identities;    // 1 if tiles.ids tells which vertices are equal
-  std::uint32_t fans;          // 1 if certified fans decide pairs that share vertices
-  std::uint32_t limited;       // 1 if the host may end the cycle early (stages/cut_off.cuh)
-  std::uint32_t first_times;   // in swept motion: 1 if the user asks for contact times
-  std::uint32_t pads;          // in swept motion: 1 if some body that takes part has a pad
-  ScenePartition partition;    // of this device: other pairs are not detected
-  std::uint32_t decides;       // 1 if the sweep decides pairs where float32 is certain
+  KnownIdentities identities;
+  std::uint32_t fans;         // 1 if certified fans decide pairs that share vertices
+  std::uint32_t limited;      // 1 if the host may end the cycle early (stages/cut_off.cuh)
+  std::uint32_t first_times;  // in swept motion: 1 if the user asks for contact times
+  std::uint32_t pads;         // in swept motion: 1 if some body that takes part has a pad
+  ScenePartition partition;   // of this device: other pairs are not detected
+  std::uint32_t decides;      // 1 if the sweep decides pairs where float32 is certain
   // 1 if the sweep leaves so few pairs to the narrow phase that one kernel for all is fastest.
   std::uint32_t leaves_few;
 
@@ -79,6 +85,7 @@ constexpr unsigned kLine = 128;
 // start of a cycle. Counts go on beyond the capacities, so they tell how much room is needed.
 struct alignas(kLine) CycleCounters {
   std::uint32_t rejected, culled, clustered, oversized;
+  std::uint32_t misfits;          // tiles for whose boxes CycleParams::axes is no good frame
   std::uint32_t largest_cluster;  // the number of its triangles
   std::uint32_t bin_overflow;     // 1 if entries did not fit into some bin
   std::uint32_t bins_wanted;      // entries for which the next cycle's bins need room

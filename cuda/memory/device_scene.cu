@@ -201,7 +201,7 @@ void DeviceScene::growArrays(cudaStream_t stream) {
 }
 
 bool DeviceScene::searchesEqualVertices(const Options& options) const {
-  if (!tables_.any_self || tables_.any_self_mesh) return tables_.any_self;
+  if (!tables_.any_self) return false;
   if (options.adjacent != AdjacentPairs::kSkip || options.motion == Motion::kSwept) return true;
   constexpr std::uint32_t kFewOf = 8;
   return repeated_vertices_ > tables_.vertex_count / kFewOf;

@@ -75,10 +75,14 @@ class DeviceScene {
   std::uint32_t groupCount() const { return tables_.group_count; }
   bool anySelf() const { return tables_.any_self; }
   // Returns whether a cycle searches for equal vertices before it sweeps. It does not if pairs of
-  // triangles that share a vertex are skipped and few can share one: if no two triangles use a
-  // vertex by the same number, and a cycle of this layout found few equal vertices. Then the
-  // vertices of the pairs that pass the filters are compared, which is faster.
+  // triangles that share a vertex are skipped, and a cycle of this layout found few vertices that
+  // are equal to another one. Then the vertices of the pairs that pass the filters are compared,
+  // which is faster.
   bool searchesEqualVertices(const Options& options) const;
+  KnownIdentities knownIdentities(const Options& options) const {
+    if (searchesEqualVertices(options)) return KnownIdentities::kAll;
+    return tables_.any_self_mesh ? KnownIdentities::kNumbers : KnownIdentities::kNone;
+  }
   // Remembers how many vertices a cycle found that are equal to another one.
   void setRepeatedVertices(std::uint32_t count) { repeated_vertices_ = count; }
   // Returns whether the scene that was sent has margins within which pairs are listed, and pads.

@@ -8,6 +8,7 @@
 
 #include "core/predicates/aabb.h"
 #include "core/predicates/triangle.h"
+#include "core/rules/axis_box.h"
 #include "core/rules/diagonal_box.h"
 #include "cuda/memory/device_memory.cuh"
 
@@ -23,29 +24,27 @@ struct alignas(16) TileEntry {
 // With padding, the compiler would copy it byte by byte.
 static_assert(sizeof(TileEntry) == sizeof(Triangle) + 3 * sizeof(std::uint32_t));
 
-// The box of a tile entry [m], inflated by its body's margin. In swept motion it contains all
-// places that the triangle passes, minus the common motion.
-struct alignas(16) TileEntryBox {
-  float4 low, high;  // low.w holds the bits of the slot, in the array of all boxes; high.w is 0
+// The box of a tile entry, and its slot. The box has all that the triangle passes, minus the common
+// motion and grown by its body's margin.
+struct alignas(16) SlotBox {
+  std::uint32_t x, y, z;  // the words of an AxisBox
+  TileEntryIndex slot;
 
-  __device__ static TileEntryBox of(const Aabb& box, TileEntryIndex slot = TileEntryIndex(0)) {
-    return {make_float4(box.min.x, box.min.y, box.min.z, __uint_as_float(slot.value)),
-            make_float4(box.max.x, box.max.y, box.max.z, 0)};
+  __device__ static SlotBox of(const AxisBox& box, TileEntryIndex slot) {
+    return {box.words[0], box.words[1], box.words[2], slot};
   }
-  __device__ Aabb box() const { return {{low.x, low.y, low.z}, {high.x, high.y, high.z}}; }
+  __device__ AxisBox box() const { return {x, y, z}; }
 };
 
-// The bounds of a tile's entries; in swept motion they bound all that the triangles pass. They are
-// empty in slots without a triangle, and where it is culled. Each part is an array of all lanes, so
-// that a warp reads it in as few memory sectors as possible.
+// The bounds of a tile's entries. They are empty in slots without a triangle, and where it is
+// culled. Each part is an array of all lanes, so that a warp reads it in as few memory sectors as
+// possible.
 struct alignas(16) TileBounds {
-  float4 low[kWarp], high[kWarp];  // boxes, as in TileEntryBox
+  SlotBox boxes[kWarp];
   DiagonalBox diagonals[kWarp];
 
-  __device__ TileEntryBox box(unsigned lane) const { return {low[lane], high[lane]}; }
-  __device__ void put(unsigned lane, const TileEntryBox& box, const DiagonalBox& along) {
-    low[lane] = box.low;
-    high[lane] = box.high;
+  __device__ void put(unsigned lane, const SlotBox& box, const DiagonalBox& along) {
+    boxes[lane] = box;
     diagonals[lane] = along;
   }
 };
@@ -63,7 +62,12 @@ struct alignas(16) TileState {
   // ascending order. kNone if the tile is in one cluster only, or if there was no room for a list.
   std::uint32_t list;
   DiagonalBox diagonals;  // of the live triangles, as those in TileArrays
+  TurnedAxisBox axes;     // likewise
 
+  // Returns the state of a tile without live triangles.
+  __device__ static TileState none() {
+    return {Aabb(), 0, kNone, DiagonalBox::none(), TurnedAxisBox(AxisBox())};
+  }
   // Returns whether a live triangle of one tile may meet one of the other.
   __device__ bool mayMeet(const TileState& other) const {
     return intersects(box, other.box) && intersects(diagonals, other.diagonals);

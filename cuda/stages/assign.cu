@@ -45,7 +45,7 @@ __device__ bool meetsPartner(const SceneArrays& scene, BodyIndex b, const Aabb& 
   return meets;
 }
 
-// Returns the box of a tile entry as TileEntryBox describes it. `box`: the inflated box of all that
+// Returns the box of a tile entry as SlotBox describes it. `box`: the inflated box of all that
 // the triangle passes. In swept motion the pads are added to both states before the boxes are
 // joined.
 template <int kStates>
@@ -281,7 +281,14 @@ __device__ void countRejected(const SceneArrays& scene, std::uint32_t part, bool
   }
 }
 
-// Writes the state of a tile but for its diagonals.
+// Writes a tile's rounded box, and counts it if it has live triangles and a frame that does not
+// suit it.
+__device__ void putAxes(const CycleArrays& c, TileIndex tile, const AxisBox& axes, bool is_live) {
+  c.tiles.states[tile].axes = TurnedAxisBox(axes);
+  if (is_live && axes.isMisfit()) atomicAdd(&c.counters().misfits, 1U);
+}
+
+// Writes the state of a tile but for its diagonals and its rounded box.
 __device__ void putState(TileState* state, const Aabb& box, std::uint32_t live,
                          std::uint32_t list) {
   state->box = box;
@@ -303,22 +310,20 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   const BodyIndex b = is_tile ? c.scene.tile_body[tile] : BodyIndex(0);
   const DeviceBody& body = c.scene.bodies[b];
   const TileEntryIndex slot(tile.value * kWarp + laneId());
-  const TriangleIndex named = is_tile ? c.scene.slot_triangle[slot] : TriangleIndex(kNone);
-  const bool there = named.value != kNone;
-  const TriangleIndex t(there ? named.value : 0);
+  const uint4 numbers = c.scene.slot_numbers[is_tile ? slot : TileEntryIndex(0)];
+  const bool there = is_tile && numbers.w != kNone;
+  const TriangleIndex t(there ? numbers.w : 0);
   // Triangles of parts that take no part are left out here.
   const bool has_parts = c.params().parts != 0;
   const std::uint32_t part = has_parts ? c.scene.part[t] : b.value;
   const bool takes_part = there && part != kNone;
-  const VertexIndex* const corner = c.scene.corners.row(t);
-  const VertexIndex vertices[3] = {corner[0], corner[1], corner[2]};
   const ScenePartition partition = c.params().partition;
-  const SizeRule size = c.params().size;
+  const SizeBounds size = c.params().size;
   const BodyIndex partner = partnerOfLane(c.scene, b, body, 0);
   awaitPreviousKernel();
   letNextKernelStart();
   if (!is_tile) return;
-  const Corners<kStates> corners(c.scene, vertices);
+  const Corners<kStates> corners(c.scene, numbers);
   const bool finite = takes_part && corners.isFinite();
   const Aabb box = finite ? inflated(corners.box(c), body.margin_m) : Aabb();
   bool near = finite;
@@ -334,19 +339,21 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   warpCount(&c.counters().clustered, regular);
   if (there) takeSample(c, t, regular, corners);
   if (__any_sync(kFullWarp, here) == 0) {
-    if (laneId() == 0) c.tiles.states[tile] = {Aabb(), 0, kNone, DiagonalBox::none()};
+    if (laneId() == 0) c.tiles.states[tile] = TileState::none();
     return;
   }
   if (here) c.tiles.entries[slot] = {corners.posed(), t, b, part};
   if (kStates > 1 && here) c.tiles.earlier[slot].posed = corners.earlier();
   const DiagonalBox diagonals =
       here ? passedDiagonals(c, corners, body.margin_m) : DiagonalBox::none();
-  c.tiles.bounds[tile].put(
-      laneId(), TileEntryBox::of(here ? passedBox(c, corners, body.margin_m, box) : Aabb(), slot),
-      diagonals);
+  AxisBox axes;
+  if (here) axes = AxisBox(passedBox(c, corners, body.margin_m, box), c.params().axes);
+  c.tiles.bounds[tile].put(laneId(), SlotBox::of(axes, slot), diagonals);
   // The tile's are written at once, because assignTile() needs the registers.
   const DiagonalBox of_tile = warpDiagonals(regular ? diagonals : DiagonalBox::none());
   if (laneId() == 0) c.tiles.states[tile].diagonals = of_tile;
+  const AxisBox axes_of_tile = warpBox(regular ? axes : AxisBox());
+  if (laneId() == 0) putAxes(c, tile, axes_of_tile, live != 0);
   if (large) c.tiles.oversized[Place(atomicAdd(&c.counters().oversized, 1U))] = slot;
   const Aabb all = warpBox(regular ? box : Aabb());
   const std::uint32_t list = live == 0 || c.usesBruteForce()

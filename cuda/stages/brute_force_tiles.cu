@@ -53,9 +53,20 @@ using Hit = std::uint16_t;
 constexpr unsigned kColumnShift = 5;
 constexpr Hit kDense = 1U << 10, kOther = 1U << 11;
 
+// A box [m], which is read by two wide loads.
+struct alignas(16) WideBox {
+  float4 low, high;
+
+  __device__ static WideBox of(const Aabb& box) {
+    return {make_float4(box.min.x, box.min.y, box.min.z, 0),
+            make_float4(box.max.x, box.max.y, box.max.z, 0)};
+  }
+  __device__ Aabb box() const { return {{low.x, low.y, low.z}, {high.x, high.y, high.z}}; }
+};
+
 struct BlockTiles {
-  TileEntryBox rows[kRows], columns[kColumns];  // empty if the tile has no live triangle
-  TileEntryBox all_rows;
+  WideBox rows[kRows], columns[kColumns];  // empty if the tile has no live triangle
+  WideBox all_rows;
   std::uint32_t row_group[kRows];
   std::uint32_t column_mask[kColumns];  // groups that the column's group may touch
   Hit hits[kColumns / kWarp][kWarp * kRows];
@@ -66,10 +77,10 @@ __device__ std::uint32_t groupOf(const CycleArrays& c, std::uint32_t tile) {
   return c.scene.bodies[c.scene.tile_body[TileIndex(tile)]].group;
 }
 
-__device__ TileEntryBox boxOfTile(const CycleArrays& c, std::uint32_t tile) {
+__device__ WideBox boxOfTile(const CycleArrays& c, std::uint32_t tile) {
   const bool there = tile < c.scene.tile_count;
   const TileState state = there ? c.tiles.states[TileIndex(tile)] : TileState{};
-  return TileEntryBox::of(state.live != 0 ? state.box : Aabb());
+  return WideBox::of(state.live != 0 ? state.box : Aabb());
 }
 
 // Tests rows against the columns that come after them. Run by a whole block.
@@ -94,7 +105,7 @@ class RowsByColumns {
 
   __device__ void run() const {
     if (threadIdx.x < kWarp) fetchRows();
-    const TileEntryBox column = boxOfTile(c_, first_column_ + threadIdx.x);
+    const WideBox column = boxOfTile(c_, first_column_ + threadIdx.x);
     __syncthreads();
     // Tiles close to each other have numbers close to each other, so most warps meet no row.
     if (__any_sync(kFullWarp, intersects(column.box(), tiles_.all_rows.box())) == 0) return;
@@ -121,10 +132,10 @@ class RowsByColumns {
   __device__ void fetchRows() const {
     static_assert(kRows <= kWarp);
     const bool mine = laneId() < kRows;
-    const TileEntryBox row = mine ? boxOfTile(c_, first_row_ + laneId()) : TileEntryBox::of(Aabb());
+    const WideBox row = mine ? boxOfTile(c_, first_row_ + laneId()) : WideBox::of(Aabb());
     if (mine) tiles_.rows[laneId()] = row;
     const Aabb all = warpBox(row.box());
-    if (laneId() == 0) tiles_.all_rows = TileEntryBox::of(all);
+    if (laneId() == 0) tiles_.all_rows = WideBox::of(all);
   }
   // Returns the rows, as bits, that come before this thread's column and whose boxes meet its box.
   __device__ unsigned rowsThatMeet(const Aabb& box) const {

@@ -8,15 +8,22 @@
 
 namespace deformable_contact_monitor {
 
-// Returns a triangle in the scene frame [m]; in swept motion, its present state.
-__device__ inline Triangle posedTriangle(const SceneArrays& scene, TriangleIndex triangle) {
-  const VertexIndex* const corner = scene.corners.row(triangle);
+// Return a triangle in the scene frame [m]; in swept motion, its present state. `numbers`: one of
+// SceneArrays::slot_numbers.
+__device__ inline Triangle posedTriangle(const SceneArrays& scene, const uint4& numbers) {
+  const VertexIndex corner[3] = {VertexIndex(numbers.x), VertexIndex(numbers.y),
+                                 VertexIndex(numbers.z)};
   Triangle posed;
   for (int k = 0; k < 3; ++k) {
     const float4 v = scene.posed[corner[k]];
     posed.v[k] = {v.x, v.y, v.z};
   }
   return posed;
+}
+__device__ inline Triangle posedTriangle(const SceneArrays& scene, TriangleIndex triangle) {
+  const VertexIndex* const corner = scene.corners.row(triangle);
+  return posedTriangle(
+      scene, make_uint4(corner[0].value, corner[1].value, corner[2].value, triangle.value));
 }
 
 // A triangle as stage transform leaves it: its vertices in the scene frame [m] and their nearest
@@ -28,7 +35,10 @@ struct Corners {
   Vec3f v[kPoints];
   NearestPrototype nearest[kPoints];
 
-  __device__ Corners(const SceneArrays& scene, const VertexIndex vertices[3]) {
+  // `numbers`: one of SceneArrays::slot_numbers.
+  __device__ Corners(const SceneArrays& scene, const uint4& numbers) {
+    const VertexIndex vertices[3] = {VertexIndex(numbers.x), VertexIndex(numbers.y),
+                                     VertexIndex(numbers.z)};
     for (int k = 0; k < 3; ++k) {
       set(kPresent + k, scene.posed[vertices[k]]);
       if (kStates > 1) set(k, scene.earlier_posed[vertices[k]]);

@@ -64,9 +64,10 @@ __global__ void __launch_bounds__(kBoundThreads) boundKernel(CycleArrays c) {
   Aabb all;
   for (std::uint32_t i = threadIdx.x / kWarp; i < region.tile_count; i += kBoundThreads / kWarp) {
     const TileIndex tile(region.first_tile.value + i);
-    const TriangleIndex t = c.scene.slot_triangle[TileEntryIndex(tile.value * kWarp + laneId())];
+    const uint4 numbers = c.scene.slot_numbers[TileEntryIndex(tile.value * kWarp + laneId())];
+    const TriangleIndex t(numbers.w);
     const bool there = t.value != kNone;
-    const Triangle hull = posedTriangle(c.scene, there ? t : TriangleIndex(0));
+    const Triangle hull = posedTriangle(c.scene, numbers);
     bool finite = there && isFinite(hull);
     const bool has_parts = c.params().parts != 0;
     const std::uint32_t part = finite && has_parts ? c.scene.part[t] : kNone;
@@ -232,10 +233,11 @@ __device__ void findPartner(const CycleArrays& c, std::uint32_t pair, TriangleIn
         const std::uint32_t tile = region.first_tile.value + __ffs(static_cast<int>(tiles)) - 1;
         for (unsigned lane = 0; lane < kWarp;
              lane += 2) {  // one triangle for each half of the warp
-          const TriangleIndex t =
-              c.scene.slot_triangle[TileEntryIndex(tile * kWarp + lane + laneId() / kLanesEach)];
+          const uint4 numbers =
+              c.scene.slot_numbers[TileEntryIndex(tile * kWarp + lane + laneId() / kLanesEach)];
+          const TriangleIndex t(numbers.w);
           const bool there = t.value != kNone;
-          const Triangle b = posedTriangle(c.scene, there ? t : TriangleIndex(0));
+          const Triangle b = posedTriangle(c.scene, numbers);
           bool counts = there && isFinite(b) && isNear(boxOf(b));
           if (counts && c.params().parts != 0) {
             counts = partsCount(c, pair, part_a, c.scene.part[t]);

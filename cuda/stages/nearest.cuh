@@ -149,10 +149,11 @@ class TilePairSearch {
     std::uint32_t part = kNone;  // only if some body has parts
     Aabb box;
 
-    __device__ Side(const CycleArrays& c, TileIndex tile)
-        : triangle(c.scene.slot_triangle[TileEntryIndex(tile.value * kWarp + laneId())]) {
+    __device__ Side(const CycleArrays& c, TileIndex tile) {
+      const uint4 numbers = c.scene.slot_numbers[TileEntryIndex(tile.value * kWarp + laneId())];
+      triangle = TriangleIndex(numbers.w);
       counts = triangle.value != kNone;
-      const Triangle hull = posedTriangle(c.scene, counts ? triangle : TriangleIndex(0));
+      const Triangle hull = posedTriangle(c.scene, numbers);
       counts = counts && isFinite(hull);
       if (counts && c.params().parts != 0) {
         part = c.scene.part[triangle];
@@ -204,7 +205,7 @@ class TilePairSearch {
     return triangleAt(tiles_.b, queue_[place] & 0xffU);
   }
   __device__ TriangleIndex triangleAt(TileIndex tile, unsigned lane) const {
-    return c_.scene.slot_triangle[TileEntryIndex(tile.value * kWarp + lane)];
+    return TriangleIndex(c_.scene.slot_numbers[TileEntryIndex(tile.value * kWarp + lane)].w);
   }
 
   // Returns whether a queued pair may be as near as the best one, by boxes and planes.

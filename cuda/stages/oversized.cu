@@ -3,6 +3,7 @@
 // that it meets, and against other oversized triangles.
 #include <algorithm>
 
+#include "core/rules/common_motion.h"
 #include "cuda/device/boxes.cuh"
 #include "cuda/device/warp.cuh"
 #include "cuda/stages/cut_off.cuh"
@@ -19,6 +20,14 @@ constexpr unsigned kTilesEach = kThreads / kWarp;  // tiles that a block works o
 // The number of blocks for pairs of oversized triangles, and the most blocks for all other pairs.
 constexpr std::uint32_t kBlocksAmong = 64, kMostTileBlocks = 1024;
 
+// Returns the box of all that a tile entry passes, minus the common motion and grown by its body's
+// margin [m].
+template <int kStates>
+__device__ Aabb passedBoxAt(const CycleArrays& c, TileEntryIndex at) {
+  if (kStates == 1) return tileEntryBox(c, c.tiles.at(at));
+  return sweptBox(movingBoxAt(c, at), c.scene.common_motion[Place(0)]);
+}
+
 // Filters a pair of tile entries whose boxes meet. Adds it to contacts.contacts if float32 is
 // certain of a contact, and to contacts.candidates if it stays open.
 template <int kStates>
@@ -26,8 +35,8 @@ __device__ void filterBoxPair(const CycleArrays& c, TileEntryIndex at_a, TileEnt
   const TileEntry a = c.tiles.at(at_a), b = c.tiles.at(at_b);
   if (!c.scene.pairEnabled(a.part, b.part)) return;
   std::uint32_t shared_a = 0, shared_b = 0;
-  if (c.params().identities != 0) {
-    const uint4 ids_a = c.tiles.ids[at_a], ids_b = c.tiles.ids[at_b];
+  if (const uint4* const ids = vertexIds(c)) {
+    const uint4 ids_a = ids[at_a.value], ids_b = ids[at_b.value];
     shared_a = sharedBits(ids_a, ids_b);
     shared_b = sharedBits(ids_b, ids_a);
     const bool decided =
@@ -62,12 +71,12 @@ __device__ unsigned long long sweepAmong(const CycleArrays& c, std::uint32_t ove
   PacedCutOff pace(c, threadIdx.x == 0);
   for (std::uint32_t i = first; i < oversized_count; i += kBlocksAmong) {
     const TileEntryIndex at = c.tiles.oversized[Place(i)];
-    const Aabb box = c.tiles.boxOf(at);
+    const Aabb box = passedBoxAt<kStates>(c, at);
     for (std::uint32_t j = i + 1 + threadIdx.x; j < oversized_count; j += kThreads) {
       if (pace.isOver(1)) return pairs;
       ++pairs;
       const TileEntryIndex other = c.tiles.oversized[Place(j)];
-      if (intersects(box, c.tiles.boxOf(other))) filterBoxPair<kStates>(c, at, other);
+      if (intersects(box, passedBoxAt<kStates>(c, other))) filterBoxPair<kStates>(c, at, other);
     }
   }
   return pairs;
@@ -87,7 +96,7 @@ __device__ bool sweepTiles(const CycleArrays& c, std::uint32_t oversized_count, 
   const TileEntryIndex member(tile.value * kWarp + laneId());
   const bool live =
       tile.value < c.scene.tile_count && (c.tiles.states[tile].live >> laneId() & 1) != 0;
-  const Aabb box = live ? c.tiles.boxOf(member) : Aabb();
+  const Aabb box = live ? passedBoxAt<kStates>(c, member) : Aabb();
   shared_box.clear();
   shared_box.include(box);
   const Aabb all = shared_box.get();
@@ -98,13 +107,13 @@ __device__ bool sweepTiles(const CycleArrays& c, std::uint32_t oversized_count, 
     __syncthreads();
     if (from + threadIdx.x < oversized_count) {
       const TileEntryIndex at = c.tiles.oversized[Place(from + threadIdx.x)];
-      if (intersects(all, c.tiles.boxOf(at))) near[atomicAdd(&near_count, 1U)] = at;
+      if (intersects(all, passedBoxAt<kStates>(c, at))) near[atomicAdd(&near_count, 1U)] = at;
     }
     __syncthreads();
     if (live && !pace.isOver(near_count)) {
       pairs += near_count;
       for (std::uint32_t k = 0; k < near_count; ++k) {
-        if (!intersects(box, c.tiles.boxOf(near[k]))) continue;
+        if (!intersects(box, passedBoxAt<kStates>(c, near[k]))) continue;
         filterBoxPair<kStates>(c, member, near[k]);
       }
     }

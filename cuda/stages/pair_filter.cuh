@@ -10,6 +10,14 @@
 
 namespace deformable_contact_monitor {
 
+// Returns the ids of all tile entries' vertices, as far as CycleParams::identities knows them; null
+// if it knows none.
+__device__ inline const uint4* vertexIds(const CycleArrays& c) {
+  if (c.params().identities == KnownIdentities::kNone) return nullptr;
+  const bool all = c.params().identities == KnownIdentities::kAll;
+  return all ? c.tiles.ids.data() : c.scene.slot_numbers.data();
+}
+
 // Returns one bit for each vertex of `a` that is also a vertex of `b`. x, y, z are the ids of the
 // vertices.
 __device__ inline std::uint32_t sharedBits(const uint4& a, const uint4& b) {
@@ -24,6 +32,9 @@ __device__ inline bool shareVertices(const uint4& a, const uint4& b) {
   return (a.x == b.x) | (a.x == b.y) | (a.x == b.z) | (a.y == b.x) | (a.y == b.y) | (a.y == b.z) |
          (a.z == b.x) | (a.z == b.y) | (a.z == b.z);
 }
+
+// The bits of all three vertices of a triangle.
+constexpr std::uint32_t kAllVertices = 7;
 
 // Returns a bit for each vertex that has a certified fan. Triangles that share such a vertex meet
 // only in the vertices and edges that they share.
@@ -103,7 +114,7 @@ __device__ inline bool filterPair(const CycleArrays& c, TileEntryIndex at_a, Til
   candidate = {at_a, at_b, packFacts(facts)};
   const ScenePartition& partition = c.params().partition;
   if (!partition.isWhole() && !partition.owns(tileEntryBox(c, a), tileEntryBox(c, b))) return false;
-  const bool may_share = c.params().any_self != 0 && c.params().identities == 0;
+  const bool may_share = c.params().any_self != 0 && c.params().identities != KnownIdentities::kAll;
   return !may_share || !shareReceivedVertices(c, at_a, at_b);
 }
 

@@ -57,7 +57,7 @@ __device__ std::uint32_t projectTile(const CycleArrays& c, const CycleParams& pa
   const std::uint32_t first = along[0].lo >> params.bucket_shift;
   const std::uint32_t last = along[0].hi >> params.bucket_shift;
   c.sweep.projected[at] = make_uint4(first | last << 16, along[1].lo | along[2].lo << 16,
-                                     along[1].hi | along[2].hi << 16, tile.value);
+                                     along[1].hi | along[2].hi << 16 | kPackedGuard, tile.value);
   return group * params.bucketsOfGroup() + first;
 }
 

@@ -46,7 +46,11 @@ class PairSchedule {
       : c_(c), numbers_(numbers), turn_((blockIdx.x * blockDim.x + threadIdx.x) / kWarp) {
     if (laneId() == 0) numbers.set(c, warps());
     __syncwarp();
+    halves_pairs_ = (numbers.halves_dense | numbers.halves_others) != 0;
   }
+
+  // Returns whether some pairs are done in two parts.
+  __device__ bool halvesPairs() const { return halves_pairs_; }
 
   // Requests the next number. The first numbers are assigned in a fixed way, the others go to any
   // warp that is free. Some pairs have hundreds of triangles that meet; most have few, and those
@@ -89,7 +93,7 @@ class PairSchedule {
     return number_ - (isDense() ? numbers_.tiles : numbers_.dense_end);
   }
   __device__ std::uint32_t halves() const {
-    if (isSelf()) return 0;
+    if (!halves_pairs_ || isSelf()) return 0;
     return isDense() ? numbers_.halves_dense : numbers_.halves_others;
   }
 
@@ -109,6 +113,7 @@ class PairSchedule {
   // The next turn of this warp, in the first lane. It is a number, except that a run counts as one.
   std::uint32_t turn_;
   std::uint32_t number_ = 0, run_end_ = 0;
+  bool halves_pairs_;
 };
 
 constexpr unsigned kThreads = 128;
@@ -123,24 +128,12 @@ struct alignas(8) EntryPair {
   TileEntryIndex a, b;
 };
 
-// A box in shared memory, and the slot of its triangle.
-struct LaneBox {
-  float4 low, high;  // low.w holds the bits of the slot
-
-  __device__ Aabb box() const { return TileEntryBox{low, high}.box(); }
-  __device__ std::uint32_t slot() const { return __float_as_uint(low.w); }
-};
-
-struct LaneBoxes {
-  float4 low[kWarp], high[kWarp];
-};
-
 constexpr unsigned kHitCapacity = 8 * kWarp;
 constexpr unsigned kMetCapacity = 2 * kWarp, kAdjacentCapacity = 2 * kWarp;
 constexpr unsigned kCandidateCapacity = 3 * kWarp;  // less than a warp, and what both filters add
 
 struct WarpMemory {
-  LaneBoxes boxes;  // of the rows, then of the columns
+  SlotBox boxes[2 * kWarp];  // the rows, then the columns; of a tile with itself a whole ring
   EntryPair hits[kHitCapacity];
   EntryPair met[kMetCapacity], adjacent[kAdjacentCapacity];
   DeviceCandidate candidates[kCandidateCapacity];
@@ -164,9 +157,10 @@ class PairFilter {
         adjacent_{memory.adjacent},
         candidates_{memory.candidates},
         lane_(laneId()),
-        identities_(c.params().identities != 0),
+        ids_(vertexIds(c)),
         passes_(c.params().passes),
-        schedule_(c, memory.turns) {}
+        schedule_(c, memory.turns),
+        divides_(passes_ != 1 || schedule_.halvesPairs()) {}
 
   // Runs each part when it has enough work for a full warp, until nothing is left. Each part is
   // called from one place only, so that the code fits the instruction cache.
@@ -221,24 +215,22 @@ class PairFilter {
   __device__ void layOut(const TilePair& pair) {
     const TileState a = c_.tiles.states[pair.a], b = c_.tiles.states[pair.b];
     const TileBounds &bounds_a = c_.tiles.bounds[pair.a], &bounds_b = c_.tiles.bounds[pair.b];
-    const TileEntryBox box_a = bounds_a.box(lane_), box_b = bounds_b.box(lane_);
+    const SlotBox box_a = bounds_a.boxes[lane_], box_b = bounds_b.boxes[lane_];
     const DiagonalBox diagonals_a = bounds_a.diagonals[lane_];
     const DiagonalBox diagonals_b = bounds_b.diagonals[lane_];
     // The loads do not depend on each other: && would start some after the others have arrived.
-    bool reaches_b = intersects(box_a.box(), b.box), reaches_a = intersects(box_b.box(), a.box);
-    if (!kAdjacent) {  // with the others' work, there are too few registers for this
-      reaches_b &= intersects(diagonals_a, b.diagonals);
-      reaches_a &= intersects(diagonals_b, a.diagonals);
-    }
+    bool reaches_b = intersects(b.axes, box_a.box()), reaches_a = intersects(a.axes, box_b.box());
+    reaches_b &= intersects(diagonals_a, b.diagonals);
+    reaches_a &= intersects(diagonals_b, a.diagonals);
     const unsigned in_a = a.live & __ballot_sync(kFullWarp, reaches_b);
     const unsigned in_b = b.live & __ballot_sync(kFullWarp, reaches_a);
     const std::uint32_t rows = __popc(in_a), columns = __popc(in_b);
     if (rows == 0 || columns == 0) return;
-    if (schedule_.part() == 0 && resumed_ == 0) overlaps_ += rows * columns;
+    if (resumed_ == 0 && (!divides_ || schedule_.part() == 0)) overlaps_ += rows * columns;
     leave(in_a, box_a);
     const unsigned shift = rows > 1 ? 32 - __clz(static_cast<int>(rows - 1)) : 0;
     const std::uint32_t row = lane_ & ((1U << shift) - 1);
-    const LaneBox box{memory_.boxes.low[row], memory_.boxes.high[row]};
+    const SlotBox box = memory_.boxes[row];
     leave(in_b, box_b);
     const unsigned stride = kWarp >> shift, log_stride = kLogWarp - shift, first = lane_ >> shift;
     const std::uint32_t own_steps = (columns + stride - 1 - first) >> log_stride;
@@ -246,7 +238,8 @@ class PairFilter {
   }
   // Tests the triangles of a tile against each other. Places them on a ring and tests each against
   // those up to halfway round, so that each pair is tested once and all lanes have equal work.
-  // Pairs that share a vertex by its number are left out at once, unless they may be contacts.
+  // Pairs that share a vertex by its number are left out at once, if they cannot be contacts or if
+  // certified fans decide them.
   __device__ void layOutSelf(TileIndex tile) {
     constexpr unsigned kSteps = kWarp / 2;
     const unsigned live = c_.tiles.states[tile].live;
@@ -255,19 +248,22 @@ class PairFilter {
     if (resumed_ == 0) overlaps_ += count * (count - 1) / 2;
     const std::uint32_t at = tile.value * kWarp + lane_;
     const bool mine = (live >> lane_ & 1) != 0;
-    leave(kFullWarp, mine ? c_.tiles.bounds[tile].box(lane_) : TileEntryBox::of(Aabb()));
-    const LaneBox box{memory_.boxes.low[lane_], memory_.boxes.high[lane_]};
-    const unsigned wanted = kAdjacent ? kFullWarp : ~c_.scene.slot_neighbours[TileEntryIndex(at)];
+    const SlotBox box = c_.tiles.bounds[tile].boxes[lane_];
+    __syncwarp();
+    memory_.boxes[lane_] = memory_.boxes[lane_ + kWarp] = box;
+    __syncwarp();
+    unsigned wanted = mine ? live : 0;
+    const bool decided = !kAdjacent || (kStates == 1 && certifiedBits(ids_[at]) == kAllVertices);
+    if (decided) wanted &= ~c_.scene.slot_neighbours[TileEntryIndex(at)];
     listHits(box, lane_ + 1, 1, lane_ < kSteps ? kSteps : kSteps - 1, kSteps,
              __funnelshift_r(wanted, wanted, lane_ + 1));
   }
   // Writes the boxes of the lanes in the bit mask `in` to the first places of memory_.boxes.
-  __device__ void leave(unsigned in, const TileEntryBox& box) {
+  __device__ void leave(unsigned in, const SlotBox& box) {
     __syncwarp();
     if ((in >> lane_ & 1) != 0) {
       const std::uint32_t place = __popc(in & ((1U << lane_) - 1));
-      memory_.boxes.low[place] = box.low;
-      memory_.boxes.high[place] = box.high;
+      memory_.boxes[place] = box;
     }
     __syncwarp();
   }
@@ -276,38 +272,42 @@ class PairFilter {
   // `first` + `stride` and so on, `own_steps` in all; `steps` is the most that a lane tests.
   // Several parts or passes divide the steps. If the list gets full, the rest is left to another
   // call. `wanted` has a bit for each step that counts.
-  __device__ void listHits(const LaneBox& row, std::uint32_t first, std::uint32_t stride,
+  __device__ void listHits(const SlotBox& row, std::uint32_t first, std::uint32_t stride,
                            std::uint32_t own_steps, std::uint32_t steps,
                            unsigned wanted = kFullWarp) {
-    const bool one_pass = passes_ == 1;
-    const std::uint32_t every = one_pass ? schedule_.parts() : passes_;
-    std::uint32_t step = resumed_;
-    if (step == 0 && one_pass) step = schedule_.part();
-    if (step == 0 && !one_pass) {
-      step = (c_.params().pass + passes_ - schedule_.number() % passes_) % passes_;
+    std::uint32_t every = 1, step = resumed_;
+    if (divides_) {
+      every = passes_ == 1 ? schedule_.parts() : passes_;
+      if (step == 0) step = firstStep();
     }
-    const Aabb box = row.box();
-    const TileEntryIndex slot(row.slot());
-    std::uint32_t column = first + step * stride;
+    const TurnedAxisBox box(row.box());
+    const SlotBox* other = memory_.boxes + first + step * stride;
+    // A step beyond the last one reads some other box, and hits nothing.
+    const std::uint32_t next = min(every, steps) * stride;
     const unsigned below = lanesBelow();
     constexpr unsigned kAtOnce = 2;
     while (step < steps && hits_.size <= kHitCapacity - kAtOnce * kWarp) {
 #pragma unroll
       for (unsigned k = 0; k < kAtOnce; ++k) {
-        const LaneBox other{memory_.boxes.low[column % kWarp], memory_.boxes.high[column % kWarp]};
-        const bool hit = (step < own_steps) & intersects(box, other.box()) &
+        const bool hit = (step < own_steps) & intersects(box, other->box()) &
                          ((wanted >> (step % kWarp) & 1) != 0);
         const unsigned mask = __ballot_sync(kFullWarp, hit);
         if (hit) {
-          hits_.items[hits_.size + __popc(mask & below)] = {slot, TileEntryIndex(other.slot())};
+          hits_.items[hits_.size + __popc(mask & below)] = {row.slot, other->slot};
         }
         hits_.size += __popc(mask);
         step += every;
-        column += every * stride;
+        other += next;
       }
     }
     resumed_ = step < steps ? step : 0;
     __syncwarp();
+  }
+
+  // Returns the first step of this part of a pair, or of this pass.
+  __device__ std::uint32_t firstStep() const {
+    if (passes_ == 1) return schedule_.part();
+    return (c_.params().pass + passes_ - schedule_.number() % passes_) % passes_;
   }
 
   // Takes a warp of hits, and drops those that are apart along a diagonal. Pairs that share
@@ -321,15 +321,15 @@ class PairFilter {
     if (has) {
       diagonals_a = c_.tiles.diagonalsOf(pair.a);
       diagonals_b = c_.tiles.diagonalsOf(pair.b);
-      if (identities_) {
-        a = c_.tiles.ids[pair.a];
-        b = c_.tiles.ids[pair.b];
+      if (ids_ != nullptr) {
+        a = ids_[pair.a.value];
+        b = ids_[pair.b.value];
       }
     }
     const bool meet = has && intersects(diagonals_a, diagonals_b);
     std::uint32_t shared = 0;
     bool certified = false;
-    if (identities_ && meet) {
+    if (ids_ != nullptr && meet) {
       if (kAdjacent) {
         shared = sharedBits(a, b);
         certified = (shared & certifiedBits(a)) != 0;
@@ -403,9 +403,10 @@ class PairFilter {
   WarpQueue<EntryPair, kAdjacentCapacity> adjacent_;
   WarpQueue<DeviceCandidate, kCandidateCapacity> candidates_;
   const std::uint32_t lane_;
-  const bool identities_;
+  const uint4* const ids_;
   const std::uint32_t passes_;
   PairSchedule schedule_;
+  const bool divides_;  // pairs of tiles are done in several parts, or in several passes
   std::uint32_t taken_ = 0;
   std::uint32_t resumed_ = 0;  // the step from which this pair is to be taken up again; 0: none
   std::uint32_t overlaps_ = 0;

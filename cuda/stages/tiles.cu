@@ -270,9 +270,9 @@ __device__ BodyIndex bodyOfChunk(const SceneArrays& scene, std::uint32_t chunk) 
   return BodyIndex(first);
 }
 
-// Returns the lanes, as bits, whose triangles share a vertex with this lane's by its number. `t` is
-// kNone in lanes without a triangle. Called by a whole warp.
-__device__ std::uint32_t neighboursOf(const SceneArrays& scene, TriangleIndex t) {
+// Writes the numbers of a slot, and which lanes' triangles share a vertex with this lane's by its
+// number. `t` is kNone in lanes without a triangle. Called by a whole warp.
+__device__ void putNumbers(const SceneArrays& scene, TileEntryIndex at, TriangleIndex t) {
   VertexIndex own[3] = {VertexIndex(kNone), VertexIndex(kNone), VertexIndex(kNone)};
   for (int k = 0; t.value != kNone && k < 3; ++k) own[k] = scene.corners.row(t)[k];
   std::uint32_t neighbours = 0;
@@ -284,10 +284,13 @@ __device__ std::uint32_t neighboursOf(const SceneArrays& scene, TriangleIndex t)
     }
     if (shares) neighbours |= 1U << lane;
   }
-  return neighbours;
+  scene.slot_neighbours[at] = neighbours;
+  const bool there = t.value != kNone;
+  scene.slot_numbers[at] = there ? make_uint4(own[0].value, own[1].value, own[2].value, t.value)
+                                 : make_uint4(0, 0, 0, kNone);
 }
 
-// One block for each chunk from `first_chunk` on: writes scene.tile_body, scene.slot_triangle and
+// One block for each chunk from `first_chunk` on: writes scene.tile_body, scene.slot_numbers and
 // scene.slot_neighbours. `sorted`: the sorted keys from triangle `first_triangle` on; null if all
 // bodies have one chunk only.
 __global__ void __launch_bounds__(TileHalving::kThreads)
@@ -315,8 +318,7 @@ __global__ void __launch_bounds__(TileHalving::kThreads)
     const std::uint32_t i = halving.triangleAt(slot);
     const TriangleIndex triangle = i < count ? triangleAt(i) : TriangleIndex(kNone);
     const TileEntryIndex at(first_tile * kWarp + slot);
-    scene.slot_triangle[at] = triangle;
-    scene.slot_neighbours[at] = neighboursOf(scene, triangle);
+    putNumbers(scene, at, triangle);
     if (slot % kWarp == 0) scene.tile_body[TileIndex(first_tile + slot / kWarp)] = b;
   }
 }

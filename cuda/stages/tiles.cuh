@@ -19,7 +19,7 @@ struct UntiledBodies {
 
 // Groups the triangles of these bodies into tiles, by their present positions. Any grouping gives
 // correct results. Reads scene.bodies, scene.corners, scene.received and the blocks; writes
-// scene.tile_body, scene.slot_triangle and scene.slot_neighbours, and as intermediate results
+// scene.tile_body, scene.slot_numbers and scene.slot_neighbours, and as intermediate results
 // scene.body_ranges, scene.body_boxes and the keys. `scratch` grows as needed. Throws CudaError.
 void launchTiles(const SceneArrays& scene, const UntiledBodies& bodies,
                  DeviceBuffer<unsigned char>& scratch, cudaStream_t stream);

@@ -156,11 +156,10 @@ __device__ std::uint32_t idOf(const CycleArrays& c, BodyIndex body, VertexIndex 
 __global__ void __launch_bounds__(kThreads) slotIdsKernel(CycleArrays c) {
   const TileEntryIndex slot(blockIdx.x * kThreads + threadIdx.x);
   if (slot.value >= c.scene.tile_count * kWarp) return;
-  const TriangleIndex t = c.scene.slot_triangle[slot];
-  if (t.value == kNone) return;
+  const uint4 numbers = c.scene.slot_numbers[slot];
+  if (numbers.w == kNone) return;
   const BodyIndex body = c.scene.tile_body[TileIndex(slot.value / kWarp)];
-  const VertexIndex* const row = c.scene.corners.row(t);
-  const VertexIndex v[] = {row[0], row[1], row[2]};
+  const VertexIndex v[] = {VertexIndex(numbers.x), VertexIndex(numbers.y), VertexIndex(numbers.z)};
   awaitPreviousKernel();
   const uint3 id = {c.scene.vertex_id[v[0]].value, c.scene.vertex_id[v[1]].value,
                     c.scene.vertex_id[v[2]].value};

@@ -149,6 +149,17 @@ Moving withFarBodies(Moving moving) {
   return moving;
 }
 
+// The cloth above a terrain of 100 m, whose 80 000 triangles are much larger.
+Moving withTerrain(Moving moving) {
+  moving.name += ", a terrain of 100 m";
+  const BodyId terrain = moving.scene.addBody("terrain", clothGrid(200, 100, 0.5, 1));
+  RigidTransform pose;
+  for (int k = 0; k < 2; ++k) pose.translation[k] = -50;
+  moving.scene.setPose(terrain, pose);
+  moving.scene.setPairEnabled(0, terrain, true);
+  return moving;
+}
+
 // A million triangles of some 3 mm with vertices of their own, in a cube of 1 m.
 TriangleMesh sparseSoup() {
   constexpr std::uint32_t kVertices = 3000000;
@@ -254,7 +265,7 @@ int run(const std::string& only) {
   printScenes(namedScenes(ball92, ball93), only, options);
   if (!only.empty()) return all_equal ? 0 : 1;
   const Moving cloth = selfMoving("cloth_ball92", ball92, ball93, 0);
-  for (const auto& change : {withHugeTriangles, withOutlier, withFarBodies}) {
+  for (const auto& change : {withHugeTriangles, withOutlier, withFarBodies, withTerrain}) {
     Moving moving = change(cloth);
     whole(moving, options, true);
     stages(moving, options);

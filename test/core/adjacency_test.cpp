@@ -165,6 +165,44 @@ TEST_P(Adjacency, OfFewEqualVerticesIsDecidedAlikeInEveryCycle) {
   }
 }
 
+// A cloth of two halves that lie on each other and meet in a seam, where each half has vertices of
+// its own. `open_m`: how far the second half's vertices on the seam are from those of the first.
+TriangleMesh clothWithASeam(float phase, float open_m) {
+  constexpr int kSquares = 16;
+  TriangleMesh mesh = clothGrid(kSquares, 1, 0, 0);
+  std::vector<std::uint32_t> twin(mesh.vertexCount());
+  for (std::uint32_t v = 0; v < twin.size(); ++v) {
+    twin[v] = v;
+    float* const p = &mesh.vertices[3 * std::size_t{v}];
+    const bool second = p[0] > 0.5F, on_seam = p[0] == 0.5F;
+    if (second) p[0] = 1 - p[0];
+    p[2] = 0.05F * std::sin(9 * p[1] + phase) * std::sin((second ? 7 : 6) * p[0]);
+    if (!on_seam) continue;
+    twin[v] = static_cast<std::uint32_t>(mesh.vertexCount());
+    const float of_second[3] = {p[0] - open_m, p[1], p[2] + open_m};
+    mesh.vertices.insert(mesh.vertices.end(), of_second, of_second + 3);
+  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
+    if (t / 6 / kSquares < kSquares / 2) continue;  // of the first half
+    for (std::size_t k = t; k < t + 3; ++k) mesh.triangles[k] = twin[mesh.triangles[k]];
+  }
+  return mesh;
+}
+
+// The same for a mesh whose triangles share vertices by their numbers. The seam is open at times.
+TEST_P(Adjacency, OfASeamIsDecidedAlikeInEveryCycle) {
+  Scene scene = selfScene(clothWithASeam(0, 0));
+  for (int cycle = 0; cycle < 9; ++cycle) {
+    const float open_m = cycle % 4 == 2 ? 0.02F : 0;
+    const TriangleMesh mesh = clothWithASeam(0.1F * static_cast<float>(cycle), open_m);
+    scene.setVertices(0, mesh.vertices.data(), mesh.vertexCount());
+    const AdjacentPairs adjacent = kBothAdjacent[cycle == 4 ? 1 : 0];
+    const std::vector<TrianglePair> expected = oracleContacts(scene, adjacent);
+    EXPECT_FALSE(expected.empty());
+    EXPECT_TRUE(samePairs(expected, contacts(scene, withAdjacent(adjacent)))) << "cycle " << cycle;
+  }
+}
+
 // Two triangles folded onto each other along the edge that they share, and one whose vertex lies on
 // both of them: each two of the three meet, and float32 is certain of none.
 void addFold(const Vec3f& at, float size, TriangleMesh* mesh) {

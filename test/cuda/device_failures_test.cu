@@ -107,6 +107,23 @@ TEST(DeviceFailures, OutOfMemoryIsTransient) {
   }
 }
 
+// A detector that has grown for a scene asks for as much ever after. So the pool makes a new one.
+TEST(DeviceFailures, CudaAloneTakesASmallSceneAfterOneThatIsTooLarge) {
+  if (!hasDevice()) return;
+  PoolSettings settings;
+  settings.device = [] { return makeCudaDetector(); };
+  const auto detector = makeDetectorPool(settings);
+  void* left = nullptr;
+  ASSERT_EQ(cudaMalloc(&left, std::size_t{100} << 20), cudaSuccess);
+  const MemoryHog hog;
+  ASSERT_EQ(cudaFree(left), cudaSuccess);
+  EXPECT_THROW(detector->detect(wideScene(), Options()), CudaError);
+  const auto expected = makeCpuDetector()->detect(smallScene(), Options()).contacts;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(samePairs(expected, detector->detect(smallScene(), Options()).contacts));
+  }
+}
+
 TEST(DeviceFailures, AfterOutOfMemoryCudaComesBack) {
   if (!hasDevice()) return;
   Monitored monitored;

@@ -38,7 +38,9 @@ class OnDevice {
     copies.launch();
     device_scene_.makeTiles(stream_.get());
     device_scene_.makeTilesAgain(stream_.get());
-    slots_ = fetch(arrays_.scene.slot_triangle.data(), std::size_t{kWarp} * tileCount());
+    numbers_ = fetch(arrays_.scene.slot_numbers.data(), std::size_t{kWarp} * tileCount());
+    slots_.clear();
+    for (const uint4& of_slot : numbers_) slots_.push_back(TriangleIndex(of_slot.w));
     neighbours_ = fetch(arrays_.scene.slot_neighbours.data(), std::size_t{kWarp} * tileCount());
     bodies_ = fetch(arrays_.scene.tile_body.data(), tileCount());
   }
@@ -46,13 +48,15 @@ class OnDevice {
   std::uint32_t tileCount() const { return arrays_.scene.tile_count; }
   // Triangles of the scene, 32 to a tile; kNone where there is none.
   const std::vector<TriangleIndex>& slots() const { return slots_; }
+  // The same with the numbers of their vertices.
+  const std::vector<uint4>& numbers() const { return numbers_; }
   const std::vector<std::uint32_t>& neighbours() const { return neighbours_; }
   const std::vector<BodyIndex>& bodies() const { return bodies_; }
 
  private:
   template <class T>
   std::vector<T> fetch(const T* from, std::size_t count) {
-    std::vector<T> to(count, T(0));
+    std::vector<T> to(count, T{});
     checkCuda(
         cudaMemcpyAsync(to.data(), from, count * sizeof(T), cudaMemcpyDeviceToHost, stream_.get()),
         "cudaMemcpyAsync to the host");
@@ -65,6 +69,7 @@ class OnDevice {
   CycleSizes sizes_;
   CycleArrays arrays_{memory_};
   DeviceScene device_scene_{0, memory_, sizes_, arrays_.scene};
+  std::vector<uint4> numbers_;
   std::vector<TriangleIndex> slots_;
   std::vector<std::uint32_t> neighbours_;
   std::vector<BodyIndex> bodies_;
@@ -91,10 +96,25 @@ void expectNeighbours(const TriangleMesh& mesh, const OnDevice& found, std::size
   }
 }
 
+// The numbers of the vertices of each slot's triangle. `first_vertex`: the first one of the body.
+void expectNumbers(const TriangleMesh& mesh, const OnDevice& found, std::size_t first_slot,
+                   std::uint32_t first_triangle, std::uint32_t first_vertex) {
+  for (unsigned i = 0; i < kWarp; ++i) {
+    const uint4& of_slot = found.numbers()[first_slot + i];
+    const bool there = of_slot.w != kNone;
+    const std::uint32_t* const of_mesh =
+        there ? &mesh.triangles[3 * std::size_t{of_slot.w - first_triangle}] : nullptr;
+    const auto expected = [&](int k) { return there ? first_vertex + of_mesh[k] : 0; };
+    ASSERT_EQ(of_slot.x, expected(0));
+    ASSERT_EQ(of_slot.y, expected(1));
+    ASSERT_EQ(of_slot.z, expected(2));
+  }
+}
+
 // Each triangle of each body that takes part in one slot of a tile of that body, of which all but
-// one are full; and the neighbours of each slot.
+// one are full; and the neighbours and vertices of each slot.
 void expectWhole(const Scene& scene, const OnDevice& found) {
-  std::uint32_t body = 0, first_triangle = 0, tile = 0;
+  std::uint32_t body = 0, first_triangle = 0, first_vertex = 0, tile = 0;
   for (BodyId id = 0; id < scene.bodyCount(); ++id) {
     if (!scene.takesPart(id)) continue;
     const auto count = static_cast<std::uint32_t>(scene.body(id).mesh.triangleCount());
@@ -111,11 +131,14 @@ void expectWhole(const Scene& scene, const OnDevice& found) {
     for (std::uint32_t t = 0; t < count; ++t) expected[t] = t;
     ASSERT_EQ(in_slots, expected) << "body " << id;
     for (std::uint32_t i = 0; i < tiles; ++i) {
-      ASSERT_NO_FATAL_FAILURE(expectNeighbours(scene.body(id).mesh, found,
-                                               std::size_t{kWarp} * (tile + i), first_triangle));
+      const std::size_t first_slot = std::size_t{kWarp} * (tile + i);
+      const TriangleMesh& mesh = scene.body(id).mesh;
+      ASSERT_NO_FATAL_FAILURE(expectNeighbours(mesh, found, first_slot, first_triangle));
+      ASSERT_NO_FATAL_FAILURE(expectNumbers(mesh, found, first_slot, first_triangle, first_vertex));
     }
     tile += tiles;
     first_triangle += count;
+    first_vertex += static_cast<std::uint32_t>(scene.body(id).mesh.vertexCount());
     ++body;
   }
   ASSERT_EQ(tile, found.tileCount());

@@ -42,10 +42,10 @@ struct StillRow {
   // because an unsigned index might wrap around, which would keep the compiler from vectorising the
   // loop over a chunk.)
   std::uint32_t above(std::uint32_t chunk, std::size_t k) const {
-    return (box.hi | kPackedGuard) - (columns.lo + chunk)[k];
+    return box.hi - (columns.lo + chunk)[k];
   }
   std::uint32_t below(std::uint32_t chunk, std::size_t k) const {
-    return ((columns.hi + chunk)[k] | kPackedGuard) - box.lo;
+    return (columns.hi + chunk)[k] - box.lo;
   }
 };
 

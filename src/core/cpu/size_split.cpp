@@ -70,11 +70,12 @@ void list(const WorkingSet& set, const std::vector<std::size_t>& oversized_in,
   std::partial_sum(oversized_in.begin(), oversized_in.end(), oversized_before.begin() + 1);
   split.oversized.resize(oversized_before.back());
   split.regular.resize(set.size() - oversized_before.back());
+  const SizeBounds bounds(split.rule);
   parallelBlocks(
       limit, set.size(), block_size, [&](std::size_t b, std::size_t begin, std::size_t end) {
         std::size_t oversized = oversized_before[b], regular = begin - oversized;
         for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
-          const bool is_oversized = oversized_in[b] > 0 && split.rule.isOversized(set.boxes[i]);
+          const bool is_oversized = oversized_in[b] > 0 && bounds.isOversized(set.boxes[i]);
           (is_oversized ? split.oversized[oversized++] : split.regular[regular++]) =
               TriangleIndex(i);
         }
@@ -98,12 +99,13 @@ void splitBySize(const WorkingSet& set, SizeSplit& split, const CycleLimit& limi
   SizeRule& rule = split.rule;
   rule = {typical.origin, 32 * typical.extent, 64 * typical.reach};
   while (!limit.over()) {
+    const SizeBounds bounds(rule);
     parallelBlocks(
         limit, set.size(), kBlock, [&](std::size_t b, std::size_t begin, std::size_t end) {
           oversized_in[b] = 0;
           reach_in[b] = 0;
           for (std::size_t i = begin; i < end; ++i) {
-            if (rule.isOversized(set.boxes[i])) {
+            if (bounds.isOversized(set.boxes[i])) {
               ++oversized_in[b];
             } else {
               reach_in[b] = std::max(reach_in[b], reachFrom(typical.origin, set.boxes[i]));

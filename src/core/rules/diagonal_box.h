@@ -37,7 +37,9 @@ struct alignas(16) DiagonalBox {
   PackedBox parts[2];
 
   // Returns what no points have: the least ends are above the greatest ones.
-  DCM_HD static DiagonalBox none() { return {{{~kPackedGuard, 0}, {~kPackedGuard, 0}}}; }
+  DCM_HD static DiagonalBox none() {
+    return {{{~kPackedGuard, kPackedGuard}, {~kPackedGuard, kPackedGuard}}};
+  }
 };
 
 // Returns false only if the triangles are apart.
@@ -64,7 +66,7 @@ DCM_HD inline DiagonalBox diagonalBox(const Vec3f v[kPoints], float grown_m,
   // vector has the length sqrt(3).
   constexpr float kError = 6 * kScaledError, kLength = 1.7321F;
   const float pad = reach * kError + grown_m * kLength + 1e-44F;
-  if (!(reach + pad < 1e37F)) return {{{0, 0x7fff7fffU}, {0, 0x7fff7fffU}}};
+  if (!(reach + pad < 1e37F)) return {{{0, ~std::uint32_t{0}}, {0, ~std::uint32_t{0}}}};
   for (Interval& each : i) each = {each.lo - pad, each.hi + pad};
   return {{pack(frame.along, i), pack(frame.along + 2, i + 2)}};
 }

@@ -52,8 +52,9 @@ DCM_HD inline Interval project(const Vec3f& axis, const Vec3f v[kPoints], float 
   return {lo - pad, hi + pad};
 }
 
-// Two intervals with 15 bits each, in the two halves of a word; the top bit of each half is a guard
-// bit. The map is monotone, so that lo <= hi still holds, and no overlap is lost.
+// Two intervals with 15 bits each, in the two halves of a word. The top bit of each half is a guard
+// bit: it is set in `hi` and not in `lo`. The map is monotone, so that lo <= hi still holds, and no
+// overlap is lost.
 struct PackedBox {
   std::uint32_t lo, hi;
 };
@@ -69,19 +70,23 @@ struct Quantiser {
     if (!(scale < 1e37F)) scale = 0;
   }
   DCM_HD std::uint32_t operator()(float x) const {
-    return static_cast<std::uint32_t>(least(most((x - origin) * scale, 0.0F), 32767.0F));
+    // The sum is rounded to an integer, which its last bits hold. That is cheaper than a
+    // conversion.
+    const float sum = least(most((x - origin) * scale, 0.0F), 32767.0F) + 8388608.0F;
+    std::uint32_t bits;
+    std::memcpy(&bits, &sum, sizeof bits);
+    return bits & 0xffff;
   }
 };
 
 DCM_HD inline PackedBox pack(const Quantiser q[2], const Interval i[2]) {
-  return {q[0](i[0].lo) | q[1](i[1].lo) << 16, q[0](i[0].hi) | q[1](i[1].hi) << 16};
+  return {q[0](i[0].lo) | q[1](i[1].lo) << 16, q[0](i[0].hi) | q[1](i[1].hi) << 16 | kPackedGuard};
 }
 
 // Returns whether the boxes intersect on both axes; touching counts. No half borrows from its guard
 // bit.
 DCM_HD inline bool intersects(const PackedBox& a, const PackedBox& b) {
-  return (((a.hi | kPackedGuard) - b.lo) & ((b.hi | kPackedGuard) - a.lo) & kPackedGuard) ==
-         kPackedGuard;
+  return ((a.hi - b.lo) & (b.hi - a.lo) & kPackedGuard) == kPackedGuard;
 }
 
 // Quantised boxes at both ends of the time interval. They are apart as moving boxes are: on the
@@ -91,10 +96,8 @@ struct MovingPackedBox {
 };
 
 DCM_HD inline bool intersects(const MovingPackedBox& a, const MovingPackedBox& b) {
-  const std::uint32_t above =
-      ((a.from.hi | kPackedGuard) - b.from.lo) | ((a.to.hi | kPackedGuard) - b.to.lo);
-  const std::uint32_t below =
-      ((b.from.hi | kPackedGuard) - a.from.lo) | ((b.to.hi | kPackedGuard) - a.to.lo);
+  const std::uint32_t above = (a.from.hi - b.from.lo) | (a.to.hi - b.to.lo);
+  const std::uint32_t below = (b.from.hi - a.from.lo) | (b.to.hi - a.to.lo);
   return (above & below & kPackedGuard) == kPackedGuard;
 }
 

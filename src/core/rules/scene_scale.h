@@ -2,6 +2,7 @@
 // never use scaled coordinates.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/host_device.h"
@@ -32,14 +33,40 @@ constexpr float kScaledError = 6.0e-8F;
 struct SizeRule {
   Vec3d origin;                                          // the middle of the scene [m]
   double most_extent = INFINITY, most_reach = INFINITY;  // [m]
+};
 
+// Returns a scale for positions that are rounded to 2^-14 of its range; points beyond the range get
+// the same position. Its range is twice the scene's, so that the scene may move, as far as a
+// typical triangle stays 32 steps long. It is smaller than the scene if a few far objects would
+// make the steps coarse: then it has a thousand typical triangles or eight typical distances.
+inline SceneScale scaleForRounding(SceneScale scale, const SizeRule& rule) {
+  const double of_triangles = 32 * rule.most_extent, of_distances = rule.most_reach / 8;
+  const double reach = std::min(1 / scale.scale, std::max(of_triangles, of_distances));
+  scale.scale = 1 / std::max(reach, std::min(2 * reach, of_triangles / 2));
+  return scale;
+}
+
+// The rule in float32, for many triangles. Rounding does not matter here.
+struct SizeBounds {
+  Aabb within{{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};  // [m]
+  float most_extent = INFINITY;                                                    // [m]
+
+  SizeBounds() = default;
+  explicit SizeBounds(const SizeRule& rule)
+      : within{around(rule, -rule.most_reach), around(rule, rule.most_reach)},
+        most_extent(toFloat(rule.most_extent)) {}
+
+  // `box`: that of a triangle, which must not be empty.
   DCM_HD bool isOversized(const Aabb& box) const {
-    const Vec3d lo = toDouble(box.min), hi = toDouble(box.max);
-    const Vec3d a = lo - origin, b = hi - origin, size = hi - lo;
-    const double extent = most(size.x, most(size.y, size.z));
-    const double reach = most(most(most(fabs(a.x), fabs(b.x)), most(fabs(a.y), fabs(b.y))),
-                              most(fabs(a.z), fabs(b.z)));
-    return extent > most_extent || reach > most_reach;
+    const Vec3f size = box.max - box.min;
+    return most(size.x, most(size.y, size.z)) > most_extent || box.min.x < within.min.x ||
+           box.min.y < within.min.y || box.min.z < within.min.z || box.max.x > within.max.x ||
+           box.max.y > within.max.y || box.max.z > within.max.z;
+  }
+
+ private:
+  static Vec3f around(const SizeRule& rule, double reach) {
+    return toFloat(rule.origin + Vec3d{reach, reach, reach});
   }
 };
 

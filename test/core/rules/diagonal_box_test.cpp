@@ -1,4 +1,5 @@
-// Intervals along the diagonals of space, against the contacts that brute force finds.
+// Intervals along the axes and diagonals of space, rounded to 15 bits, against the contacts that
+// brute force finds.
 #include "core/rules/diagonal_box.h"
 
 #include <gtest/gtest.h>
@@ -12,6 +13,7 @@
 
 #include "core/detector.h"
 #include "core/predicates/aabb.h"
+#include "core/rules/axis_box.h"
 #include "reference/reference_detectors.h"
 #include "scenes.h"
 
@@ -46,18 +48,40 @@ TriangleMesh soup(std::mt19937& random, std::uint32_t count, double size_m, doub
   return mesh;
 }
 
-// Frames that fit the scene, and frames that do not.
-std::vector<DiagonalFrame> framesFor(double reach_m, const Vec3d& middle) {
-  const auto frame = [](double reach, const Vec3d& origin) {
-    SceneScale scale;
-    scale.scale = 1 / reach;
-    scale.origin = origin;
-    return DiagonalFrame(scale);
-  };
-  return {frame(reach_m, middle),       frame(reach_m / 100, middle),
-          frame(reach_m * 1e6, middle), frame(reach_m, middle + Vec3d{reach_m, -reach_m, 0}),
-          frame(1e-44, {1e-44, 0, 0}),  frame(1e40, {1e38, -1e38, 1e38}),
-          DiagonalFrame(SceneScale()),  DiagonalFrame()};
+SceneScale scaleOf(double reach, const Vec3d& origin) {
+  SceneScale scale;
+  scale.scale = 1 / reach;
+  scale.origin = origin;
+  return scale;
+}
+
+// Scales that fit the scene, and scales that do not.
+std::vector<SceneScale> scalesFor(double reach_m, const Vec3d& middle) {
+  return {scaleOf(reach_m, middle),
+          scaleOf(reach_m / 100, middle),
+          scaleOf(reach_m * 1e6, middle),
+          scaleOf(reach_m, middle + Vec3d{reach_m, -reach_m, 0}),
+          scaleOf(1e-44, {1e-44, 0, 0}),
+          scaleOf(1e40, {1e38, -1e38, 1e38}),
+          SceneScale()};
+}
+
+// Frames for these scales, and a frame for nothing.
+template <class Frame>
+std::vector<Frame> framesFor(double reach_m, const Vec3d& middle) {
+  std::vector<Frame> frames;
+  for (const SceneScale& scale : scalesFor(reach_m, middle)) frames.emplace_back(scale);
+  frames.emplace_back();
+  return frames;
+}
+
+// Returns whether the rounded boxes of two triangles meet, of which the second is grown by a
+// margin.
+bool boxesMeet(const Triangle& a, const Triangle& b, float margin_m, const AxisFrame& frame) {
+  const AxisBox box_a(boxOf(a), frame), box_b(inflated(boxOf(b), margin_m), frame);
+  const bool meet = intersects(TurnedAxisBox(box_a), box_b);
+  EXPECT_EQ(meet, intersects(TurnedAxisBox(box_b), box_a));
+  return meet;
 }
 
 struct Extreme {
@@ -79,11 +103,16 @@ TEST_P(DiagonalBoxesOf, ContactsMeet) {
     const auto margin_m = static_cast<float>(it.margin_m);
     scene.setMargin(1, margin_m);
     const DetectionResult result = makeBruteForceDetector()->detect(scene, Options());
-    for (const DiagonalFrame& frame : framesFor(it.reach_m, middle)) {
-      for (const TrianglePair& pair : result.contacts) {
-        const Triangle of_a = triangleOf(a, pair.triangle_a), of_b = triangleOf(b, pair.triangle_b);
+    const auto frames = framesFor<DiagonalFrame>(it.reach_m, middle);
+    const auto axis_frames = framesFor<AxisFrame>(it.reach_m, middle);
+    for (const TrianglePair& pair : result.contacts) {
+      const Triangle of_a = triangleOf(a, pair.triangle_a), of_b = triangleOf(b, pair.triangle_b);
+      for (const DiagonalFrame& frame : frames) {
         ASSERT_TRUE(
             intersects(diagonalBox<3>(of_a.v, 0, frame), diagonalBox<3>(of_b.v, margin_m, frame)));
+      }
+      for (const AxisFrame& frame : axis_frames) {
+        ASSERT_TRUE(boxesMeet(of_a, of_b, margin_m, frame));
       }
     }
     contacts += result.contacts.size();
@@ -119,7 +148,7 @@ TEST(DiagonalBox, HoldsAPointWhosePositionIsRounded) {
     if (sum(p) > most(sum(of_a.v[0]), sum(of_a.v[1]))) ++rounded_apart;
     const Vec3d middle{p.x, p.y, p.z};
     for (const double reach : {1e-6, 1e-3, 1.0}) {
-      const DiagonalFrame frame = framesFor(reach, middle).front();
+      const DiagonalFrame frame = framesFor<DiagonalFrame>(reach, middle).front();
       ASSERT_TRUE(intersects(diagonalBox<3>(of_a.v, 0, frame), diagonalBox<3>(of_b.v, 0, frame)));
     }
   }
@@ -130,7 +159,7 @@ TEST(DiagonalBox, HoldsAPointWhosePositionIsRounded) {
 TEST(DiagonalBox, TellManyTrianglesApart) {
   std::mt19937 random(3);
   const TriangleMesh mesh = soup(random, 400, 0.1, 0.3, {});
-  const DiagonalFrame frame = framesFor(1, {}).front();
+  const DiagonalFrame frame = framesFor<DiagonalFrame>(1, {}).front();
   int boxes = 0, apart = 0;
   for (std::uint32_t a = 0; a < 400; ++a) {
     for (std::uint32_t b = 0; b < a; ++b) {
@@ -144,11 +173,64 @@ TEST(DiagonalBox, TellManyTrianglesApart) {
   EXPECT_GT(apart, boxes / 4);
 }
 
+// Boxes that are apart by more than a step of the frame, and boxes of nothing.
+TEST(AxisBox, TellsTrianglesApart) {
+  std::mt19937 random(3);
+  const TriangleMesh mesh = soup(random, 300, 0.1, 0.9, {});
+  const AxisFrame frame(scaleOf(1, {}));
+  constexpr float kStep = 2.0F / 32767;
+  int apart = 0;
+  for (std::uint32_t a = 0; a < 300; ++a) {
+    const Triangle of_a = triangleOf(mesh, a);
+    EXPECT_FALSE(intersects(TurnedAxisBox(AxisBox(boxOf(of_a), frame)), AxisBox()));
+    EXPECT_FALSE(intersects(TurnedAxisBox(AxisBox()), AxisBox(boxOf(of_a), frame)));
+    for (std::uint32_t b = 0; b < a; ++b) {
+      const Triangle of_b = triangleOf(mesh, b);
+      if (intersects(inflated(boxOf(of_a), 1.01F * kStep), boxOf(of_b))) continue;
+      ++apart;
+      ASSERT_FALSE(boxesMeet(of_a, of_b, 0, frame));
+    }
+  }
+  EXPECT_GT(apart, 10000);
+}
+
+// A few far objects do not make the steps coarse, and a scene of its usual size keeps its own
+// scale.
+TEST(ScaleForRounding, FollowsTypicalTriangles) {
+  const SceneScale far = scaleOf(128, {1, 2, 3});
+  const auto reachFor = [&far](double extent_m, double reach_m) {
+    SizeRule rule;
+    rule.most_extent = 32 * extent_m;
+    rule.most_reach = 64 * reach_m;
+    const SceneScale scale = scaleForRounding(far, rule);
+    EXPECT_EQ(scale.origin.x, far.origin.x);
+    return 1 / scale.scale;
+  };
+  EXPECT_DOUBLE_EQ(reachFor(0.01, 1), 10.24);
+  EXPECT_DOUBLE_EQ(reachFor(0.001, 1), 8);
+  EXPECT_DOUBLE_EQ(reachFor(0.01, 50), 128);
+  EXPECT_DOUBLE_EQ(reachFor(0.3, 1), 153.6) << "some room to move";
+  EXPECT_DOUBLE_EQ(reachFor(0.5, 1), 256);
+  EXPECT_DOUBLE_EQ(1 / scaleForRounding(far, SizeRule()).scale, 256);
+}
+
+TEST(AxisBox, TellsWhetherItsFrameSuitsIt) {
+  const AxisFrame frame(scaleOf(1, {}));
+  const auto isMisfit = [&frame](const Vec3f& min, const Vec3f& max) {
+    return AxisBox(Aabb{min, max}, frame).isMisfit();
+  };
+  EXPECT_FALSE(isMisfit({-0.99F, -0.99F, -0.99F}, {0.99F, 0.99F, 0.99F}));
+  EXPECT_FALSE(isMisfit({0, 0, 0}, {0, 0.01F, 0})) << "long along one axis";
+  EXPECT_TRUE(isMisfit({0, 0, 0}, {1e-3F, 1e-3F, 1e-3F})) << "short along all";
+  EXPECT_TRUE(isMisfit({1.5F, 0, 0}, {1.6F, 0.1F, 0.1F})) << "beyond the frame";
+  EXPECT_TRUE(isMisfit({0, -3, 0}, {0.1F, 0.1F, 0.1F})) << "reaches beyond it";
+}
+
 // A moving triangle lies in the hull of its vertices at both ends of the time interval.
 TEST(DiagonalBox, HoldAllPlacesOfAMovingTriangle) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> part(0, 1);
-  const DiagonalFrame frame = framesFor(1, {}).front();
+  const DiagonalFrame frame = framesFor<DiagonalFrame>(1, {}).front();
   for (int turn = 0; turn < 1000; ++turn) {
     const TriangleMesh mesh = soup(random, 2, 0.1, 0.3, {});
     const Triangle from = triangleOf(mesh, 0), to = triangleOf(mesh, 1);

@@ -101,9 +101,9 @@ TEST(SceneMeasurer, AnOutlierIsLargeWhetherSampledOrNot) {
   cloth.vertices[3 * 5050] = 1e30F;
   for (const Inspection inspection : {Inspection::kBrief, Inspection::kSample, Inspection::kAll}) {
     const ColdStart start = measured(selfScene(cloth), inspection);
-    EXPECT_TRUE(start.size_rule.isOversized({{0, 0, 0}, {1e30F, 0, 0}}))
+    EXPECT_TRUE(SizeBounds(start.size_rule).isOversized({{0, 0, 0}, {1e30F, 0, 0}}))
         << static_cast<int>(inspection);
-    EXPECT_FALSE(start.size_rule.isOversized({{0, 0, 0}, {0.01F, 0.01F, 0.01F}}))
+    EXPECT_FALSE(SizeBounds(start.size_rule).isOversized({{0, 0, 0}, {0.01F, 0.01F, 0.01F}}))
         << static_cast<int>(inspection);
     EXPECT_GE(start.scale.scale, 0.5) << static_cast<int>(inspection);
   }
