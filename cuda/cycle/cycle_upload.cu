@@ -111,9 +111,8 @@ void CycleUpload::setParams(const Options& options, const CycleLimit& limit) {
   params = cycleParams(options, scene.triangleCount(), scene.groupCount(), scene.anyLengths(),
                        scene.tables().part_use);
   params.scale = inspector_.scale();
-  const SceneScale frame = scaleForRounding(params.scale, inspector_.sizeRule());
-  params.diagonals = DiagonalFrame(frame);
-  params.axes = AxisFrame(frame);
+  params.diagonals = DiagonalFrame(inspector_.frame());
+  params.axes = AxisFrame(inspector_.frame());
   params.size = SizeBounds(inspector_.sizeRule());
   params.limited = limit.isSet() ? 1 : 0;
   params.partition = partition_;

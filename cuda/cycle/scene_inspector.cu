@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cuda/cycle/scene_inspector.cuh"
+#include "cuda/device/boxes.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
@@ -72,7 +73,8 @@ bool SceneInspector::isAlike(const ColdStart& start, const Inspected& inspected,
 
 void SceneInspector::setSeeds(const ColdStart& start, const Options& options) {
   asked_clusters_ = options.clusters;
-  scale_ = start.scale;
+  scale_ = frame_ = start.scale;
+  covered_ = Aabb();
 }
 
 void SceneInspector::endCycle(const CycleCounters& counted, const Options& options,
@@ -89,12 +91,25 @@ void SceneInspector::endCycle(const CycleCounters& counted, const Options& optio
       std::uint64_t{samples} * counted.clustered < kSamplesEach * wanted_clusters_ * triangles;
   const bool more_oversized =
       counted.oversized > 2 * oversized_at_start_ + 64 + counted.clustered / 64;
-  constexpr std::uint32_t kTrianglesOfTile = 32, kFewOf = 8;
-  if (started_cold) misfits_at_start_ = counted.misfits;
-  const bool more_misfits =
-      counted.misfits > misfits_at_start_ + 8 + counted.clustered / (kTrianglesOfTile * kFewOf);
-  cold_ = more_oversized || more_misfits || (wanted_clusters_ != clusters && few_samples);
+  cold_ = more_oversized || (wanted_clusters_ != clusters && few_samples);
   sample_unrepresentative_ = cold_ && started_cold;
+  moveFrame(boxOf(counted.tiles_box));
+}
+
+// The frame covers the tiles of this cycle, those of the cycles before as long as they are not left
+// behind for some time, and a quarter more.
+void SceneInspector::moveFrame(const Aabb& tiles) {
+  if (tiles.empty()) return;
+  if (covered_.empty()) covered_ = tiles;
+  const auto followed = [](const Vec3f& from, const Vec3f& to) {
+    constexpr double kOfWay = 1.0 / 32;
+    return toFloat(toDouble(from) + (toDouble(to) - toDouble(from)) * kOfWay);
+  };
+  covered_ = {followed(covered_.min, tiles.min), followed(covered_.max, tiles.max)};
+  covered_.include(tiles);
+  const Vec3d low = toDouble(covered_.min), high = toDouble(covered_.max), size = high - low;
+  frame_.origin = (low + high) * 0.5;
+  frame_.scale = 1 / (0.625 * std::max({size.x, size.y, size.z}));
 }
 
 }  // namespace deformable_contact_monitor

@@ -6,6 +6,7 @@
 
 #include "core/common/cycle_limit.h"
 #include "core/options.h"
+#include "core/predicates/aabb.h"
 #include "core/rules/clustering.h"
 #include "core/rules/scene_scale.h"
 #include "cuda/cycle/cold_start.h"
@@ -58,32 +59,36 @@ class SceneInspector {
   void setSeeds(const ColdStart& start, const Options& options);
 
   // Decides after a cycle how the next one begins. If many more triangles are oversized than at the
-  // last inspection, or an eighth more of the tiles do not fit the frame of rounded boxes, since
-  // the scene has moved or changed its size, the next cycle starts cold. If the scene needs another
-  // number of clusters, it gets new ones from samples of this cycle, or starts cold if these are
-  // too few. `samples`: the number of samples that were taken.
+  // last inspection, the next cycle starts cold. If the scene needs another number of clusters, it
+  // gets new ones from samples of this cycle, or starts cold if these are too few. `samples`: the
+  // number of samples that were taken.
   void endCycle(const CycleCounters& counted, const Options& options, std::uint32_t clusters,
                 std::uint32_t samples, std::uint32_t triangles, bool started_cold);
 
   // Returns the number of clusters that the scene of the last cycle needs.
   std::uint32_t wantedClusters() const { return wanted_clusters_; }
   const SceneScale& scale() const { return scale_; }
+  // Returns the scale for the frames of rounded boxes: it brings the tiles of the last cycles into
+  // [-1, 1]. It follows a scene that moves or changes its size.
+  const SceneScale& frame() const { return frame_; }
   const SizeRule& sizeRule() const { return size_rule_; }
 
  private:
+  void moveFrame(const Aabb& tiles);
   bool isAlike(const ColdStart& start, const Inspected& inspected, const Options& options,
                std::uint32_t clusters) const;
 
   const ClusterCountPolicy policy_;
   SceneMeasurer measurer_;
-  SceneScale scale_;
+  SceneScale scale_, frame_;
+  Aabb covered_;  // by the tiles of the last cycles [m]
   SizeRule size_rule_;
   bool cold_ = true;
   bool sample_unrepresentative_ = false;  // the last cold start's sample misjudged the scene
   Motion motion_ = Motion::kInstant;      // of the last cycle
   std::uint32_t wanted_clusters_ = 0;
   int asked_clusters_ = 0;  // Options::clusters of the last cold start
-  std::uint32_t oversized_at_start_ = 0, misfits_at_start_ = 0;
+  std::uint32_t oversized_at_start_ = 0;
   std::uint64_t changed_triangles_ = 0;  // since the last inspection
 };
 

@@ -16,7 +16,7 @@ namespace deformable_contact_monitor {
 // empty box.
 constexpr unsigned kSides = 6;
 
-__device__ inline Aabb boxOf(const std::uint32_t* sides) {
+DCM_HD inline Aabb boxOf(const std::uint32_t* sides) {
   if (sides[3] == 0) return {};
   return {{fromOrderedBits(~sides[0]), fromOrderedBits(~sides[1]), fromOrderedBits(~sides[2])},
           {fromOrderedBits(sides[3]), fromOrderedBits(sides[4]), fromOrderedBits(sides[5])}};

@@ -8,6 +8,7 @@
 #include "core/rules/axis_box.h"
 #include "core/rules/diagonal_box.h"
 #include "core/rules/scene_scale.h"
+#include "cuda/device/boxes.cuh"
 #include "cuda/partitions/scene_partition.h"
 
 namespace deformable_contact_monitor {
@@ -22,16 +23,16 @@ constexpr std::uint32_t kAxisBits = 15;
 // The number of columns of a work unit is a multiple of the first, and at most the second.
 constexpr std::uint32_t kLeastUnitColumns = 8, kMostUnitColumns = 64;
 
-// The settings of a cycle. They are not part of a recorded graph, so they may change in every
-// cycle.
 // What the sweep knows of vertices that are equal: nothing; only which ones are the same by their
 // number (SceneArrays::slot_numbers); or all, by their ids (TileArrays::ids).
 enum class KnownIdentities : std::uint32_t { kNone, kNumbers, kAll };
 
+// The settings of a cycle. They are not part of a recorded graph, so they may change in every
+// cycle.
 struct CycleParams {
   SceneScale scale;
   DiagonalFrame diagonals;
-  AxisFrame axes;
+  AxisFrame axes;  // of the rounded boxes, as `diagonals`
   SizeBounds size;
   float overlap;
   float fuzzifier;
@@ -85,7 +86,6 @@ constexpr unsigned kLine = 128;
 // start of a cycle. Counts go on beyond the capacities, so they tell how much room is needed.
 struct alignas(kLine) CycleCounters {
   std::uint32_t rejected, culled, clustered, oversized;
-  std::uint32_t misfits;          // tiles for whose boxes CycleParams::axes is no good frame
   std::uint32_t largest_cluster;  // the number of its triangles
   std::uint32_t bin_overflow;     // 1 if entries did not fit into some bin
   std::uint32_t bins_wanted;      // entries for which the next cycle's bins need room
@@ -100,6 +100,8 @@ struct alignas(kLine) CycleCounters {
   unsigned long long unexamined;  // candidates without room, which get no verdict
   alignas(kLine) std::uint32_t far_vertices;
   std::uint32_t repeated_vertices;  // vertices that equal another one; not in swept motion
+  // The box of the live triangles of some thousand tiles, see boxOf() in cuda/device/boxes.cuh.
+  alignas(kLine) std::uint32_t tiles_box[kSides];
   alignas(kLine) std::uint32_t list_words;
   alignas(kLine) std::uint32_t units;
   alignas(kLine) std::uint32_t units_taken;

@@ -204,7 +204,7 @@ bool DeviceScene::searchesEqualVertices(const Options& options) const {
   if (!tables_.any_self) return false;
   if (options.adjacent != AdjacentPairs::kSkip || options.motion == Motion::kSwept) return true;
   constexpr std::uint32_t kFewOf = 8;
-  return repeated_vertices_ > tables_.vertex_count / kFewOf;
+  return repeated_vertices_ > tables_.self_vertices / kFewOf;
 }
 
 void DeviceScene::makeTiles(cudaStream_t stream) {

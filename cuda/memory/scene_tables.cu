@@ -47,6 +47,7 @@ void SceneTables::addPairs(const Scene& scene, const BodyGroups& groups, BodyInd
   const TriangleMesh& mesh = scene.body(a).mesh;
   const bool is_soup = mesh.vertexCount() >= 3 * mesh.triangleCount();
   any_self_mesh = any_self_mesh || (body.has_self != 0 && !is_soup);
+  if (body.has_self != 0) self_vertices += static_cast<std::uint32_t>(mesh.vertexCount());
   body.group = groupOf(a);
   body.partner_begin = static_cast<std::uint32_t>(partners.size());
   for (std::uint32_t j = 0; j < taking_part.size(); ++j) {

@@ -36,7 +36,8 @@ struct SceneTables {
   List<BodyBlock> vertex_blocks{&pinnedMemory()}, triangle_blocks{&pinnedMemory()};
   std::uint32_t pair_row = 0, group_count = 0;
   std::uint32_t vertex_count = 0, triangle_count = 0, tile_count = 0;
-  bool any_self = false;       // some body may have contacts with itself
+  std::uint32_t self_vertices = 0;  // of the bodies that may have contacts with themselves
+  bool any_self = false;            // some body may
   bool any_self_mesh = false;  // in one of these bodies, triangles share vertices by their numbers
 
  private:

@@ -281,11 +281,19 @@ __device__ void countRejected(const SceneArrays& scene, std::uint32_t part, bool
   }
 }
 
-// Writes a tile's rounded box, and counts it if it has live triangles and a frame that does not
-// suit it.
-__device__ void putAxes(const CycleArrays& c, TileIndex tile, const AxisBox& axes, bool is_live) {
-  c.tiles.states[tile].axes = TurnedAxisBox(axes);
-  if (is_live && axes.isMisfit()) atomicAdd(&c.counters().misfits, 1U);
+// Returns the box of all lanes' boxes, those of a tile's live triangles. Grows counters().tiles_box
+// by it if the tile is one of those that are sampled. Called by a whole warp.
+__device__ Aabb boxOfTile(const CycleArrays& c, TileIndex tile, const Aabb& box) {
+  const Aabb all = warpBox(box);
+  constexpr std::uint32_t kSampled = 1024;  // tiles, at most
+  const bool is_sample = tile.value % (c.scene.tile_count / kSampled + 1) == 0;
+  if (laneId() != 0 || !is_sample || all.empty()) return all;
+  std::uint32_t* const sides = c.counters().tiles_box;
+  for (int k = 0; k < 3; ++k) {
+    atomicMax(&sides[k], ~orderedBits(all.min[k]));
+    atomicMax(&sides[3 + k], orderedBits(all.max[k]));
+  }
+  return all;
 }
 
 // Writes the state of a tile but for its diagonals and its rounded box.
@@ -296,8 +304,8 @@ __device__ void putState(TileState* state, const Aabb& box, std::uint32_t live,
   state->list = list;
 }
 
-// One warp for each tile. Reads scene.corners, scene.posed and scene.body_boxes; writes
-// tiles.entries, tiles.bounds and tiles.states; adds to tiles.bin_entries, tiles.lists and
+// One warp for each tile. Reads scene.slot_numbers, scene.posed and scene.body_boxes;
+// writes tiles.entries, tiles.bounds and tiles.states; adds to tiles.bin_entries, tiles.lists and
 // tiles.oversized. In swept motion (kStates == 2) it also writes the earlier states, to
 // tiles.earlier.
 template <int kStates>
@@ -353,9 +361,9 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   const DiagonalBox of_tile = warpDiagonals(regular ? diagonals : DiagonalBox::none());
   if (laneId() == 0) c.tiles.states[tile].diagonals = of_tile;
   const AxisBox axes_of_tile = warpBox(regular ? axes : AxisBox());
-  if (laneId() == 0) putAxes(c, tile, axes_of_tile, live != 0);
+  if (laneId() == 0) c.tiles.states[tile].axes = TurnedAxisBox(axes_of_tile);
   if (large) c.tiles.oversized[Place(atomicAdd(&c.counters().oversized, 1U))] = slot;
-  const Aabb all = warpBox(regular ? box : Aabb());
+  const Aabb all = boxOfTile(c, tile, regular ? box : Aabb());
   const std::uint32_t list = live == 0 || c.usesBruteForce()
                                  ? kNone
                                  : assignTile(c, tile, live, corners, body.slack, found[warp]);

@@ -39,8 +39,8 @@ struct CycleShape {
 // One of the launches below.
 using Launch = void (*)(const CycleArrays&, const CycleShape&, cudaStream_t);
 
-// transform: finds vertices that are equal as received, where some body has contacts with itself,
-// and those whose fans are certified. Reads scene.received; writes scene.vertex_id and
+// transform: finds vertices that are equal as received, if `shape.identify` asks for it, and those
+// whose fans are certified. Reads scene.received; writes scene.vertex_id and
 // scene.fan_certified. If the detector has one of several partitions, it skips vertices that lie
 // beside it (not in swept motion).
 void launchVertexIdentities(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
@@ -63,8 +63,8 @@ void launchEntryIds(const CycleArrays& cycle, const CycleShape& shape, cudaStrea
 
 // assign: culls triangles that are not finite or outside every partner's box. Puts the others into
 // their tiles, and the tiles into their clusters' bins; oversized triangles go to a list of their
-// own. Takes samples for the clusters. Reads scene.posed and scene.corners; writes tiles.entries,
-// tiles.bounds, tiles.states, tiles.bin_entries, tiles.lists, tiles.oversized and
+// own. Takes samples for the clusters. Reads scene.posed and scene.slot_numbers; writes
+// tiles.entries, tiles.bounds, tiles.states, tiles.bin_entries, tiles.lists, tiles.oversized and
 // clusters.samples. Directly after launchTransform.
 void launchAssign(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 

@@ -239,7 +239,7 @@ class PairFilter {
   // Tests the triangles of a tile against each other. Places them on a ring and tests each against
   // those up to halfway round, so that each pair is tested once and all lanes have equal work.
   // Pairs that share a vertex by its number are left out at once, if they cannot be contacts or if
-  // certified fans decide them.
+  // all three vertices of one have certified fans, which decide them.
   __device__ void layOutSelf(TileIndex tile) {
     constexpr unsigned kSteps = kWarp / 2;
     const unsigned live = c_.tiles.states[tile].live;

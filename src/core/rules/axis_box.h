@@ -39,18 +39,6 @@ struct AxisBox {
               word(frame.along[1], box.min.y, box.max.y),
               word(frame.along[2], box.min.z, box.max.z)} {}
 
-  // Returns whether the frame does not suit the box: it ends at the frame's border, or is short.
-  DCM_HD bool isMisfit() const {
-    constexpr std::uint32_t kShort = 32;  // steps; most tiles of 32 triangles are longer
-    bool at_border = false, is_short = true;
-    for (const std::uint32_t word : words) {
-      const std::uint32_t before = word & 0xffff, behind = word >> 16;
-      at_border = at_border || before == 0 || behind == 0;
-      is_short = is_short && before + behind + kShort > 0x7fff;
-    }
-    return at_border || is_short;
-  }
-
  private:
   DCM_HD static std::uint32_t word(const Quantiser& along, float min, float max) {
     return along(min) | (0x7fff - along(max)) << 16;

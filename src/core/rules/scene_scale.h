@@ -2,7 +2,6 @@
 // never use scaled coordinates.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/host_device.h"
@@ -34,17 +33,6 @@ struct SizeRule {
   Vec3d origin;                                          // the middle of the scene [m]
   double most_extent = INFINITY, most_reach = INFINITY;  // [m]
 };
-
-// Returns a scale for positions that are rounded to 2^-14 of its range; points beyond the range get
-// the same position. Its range is twice the scene's, so that the scene may move, as far as a
-// typical triangle stays 32 steps long. It is smaller than the scene if a few far objects would
-// make the steps coarse: then it has a thousand typical triangles or eight typical distances.
-inline SceneScale scaleForRounding(SceneScale scale, const SizeRule& rule) {
-  const double of_triangles = 32 * rule.most_extent, of_distances = rule.most_reach / 8;
-  const double reach = std::min(1 / scale.scale, std::max(of_triangles, of_distances));
-  scale.scale = 1 / std::max(reach, std::min(2 * reach, of_triangles / 2));
-  return scale;
-}
 
 // The rule in float32, for many triangles. Rounding does not matter here.
 struct SizeBounds {

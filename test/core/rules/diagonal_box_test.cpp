@@ -194,38 +194,6 @@ TEST(AxisBox, TellsTrianglesApart) {
   EXPECT_GT(apart, 10000);
 }
 
-// A few far objects do not make the steps coarse, and a scene of its usual size keeps its own
-// scale.
-TEST(ScaleForRounding, FollowsTypicalTriangles) {
-  const SceneScale far = scaleOf(128, {1, 2, 3});
-  const auto reachFor = [&far](double extent_m, double reach_m) {
-    SizeRule rule;
-    rule.most_extent = 32 * extent_m;
-    rule.most_reach = 64 * reach_m;
-    const SceneScale scale = scaleForRounding(far, rule);
-    EXPECT_EQ(scale.origin.x, far.origin.x);
-    return 1 / scale.scale;
-  };
-  EXPECT_DOUBLE_EQ(reachFor(0.01, 1), 10.24);
-  EXPECT_DOUBLE_EQ(reachFor(0.001, 1), 8);
-  EXPECT_DOUBLE_EQ(reachFor(0.01, 50), 128);
-  EXPECT_DOUBLE_EQ(reachFor(0.3, 1), 153.6) << "some room to move";
-  EXPECT_DOUBLE_EQ(reachFor(0.5, 1), 256);
-  EXPECT_DOUBLE_EQ(1 / scaleForRounding(far, SizeRule()).scale, 256);
-}
-
-TEST(AxisBox, TellsWhetherItsFrameSuitsIt) {
-  const AxisFrame frame(scaleOf(1, {}));
-  const auto isMisfit = [&frame](const Vec3f& min, const Vec3f& max) {
-    return AxisBox(Aabb{min, max}, frame).isMisfit();
-  };
-  EXPECT_FALSE(isMisfit({-0.99F, -0.99F, -0.99F}, {0.99F, 0.99F, 0.99F}));
-  EXPECT_FALSE(isMisfit({0, 0, 0}, {0, 0.01F, 0})) << "long along one axis";
-  EXPECT_TRUE(isMisfit({0, 0, 0}, {1e-3F, 1e-3F, 1e-3F})) << "short along all";
-  EXPECT_TRUE(isMisfit({1.5F, 0, 0}, {1.6F, 0.1F, 0.1F})) << "beyond the frame";
-  EXPECT_TRUE(isMisfit({0, -3, 0}, {0.1F, 0.1F, 0.1F})) << "reaches beyond it";
-}
-
 // A moving triangle lies in the hull of its vertices at both ends of the time interval.
 TEST(DiagonalBox, HoldAllPlacesOfAMovingTriangle) {
   std::mt19937 random(5);

@@ -1,33 +1,86 @@
-// Tests when a cycle starts cold, on the host alone.
+// Tests what is adapted after a cycle, on the host alone.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 
+#include "core/rules/intervals.h"
 #include "cuda/cycle/scene_inspector.cuh"
 
 namespace deformable_contact_monitor {
 namespace {
 
-// The next cycle starts cold once the frame of rounded boxes suits an eighth of the tiles no more.
-TEST(SceneInspector, StartsColdWhenTilesDoNotFitTheirFrame) {
-  SceneInspector inspector({500, 8192, 1600, 132});
-  const auto isColdAfter = [&inspector](std::uint32_t misfits, bool started_cold) {
+// A cube around `middle` along x.
+Aabb cube(float middle, float reach) {
+  return {{middle - reach, -reach, -reach}, {middle + reach, reach, reach}};
+}
+
+// An inspector that is told the box of the tiles of each cycle.
+class FrameOfTiles : public ::testing::Test {
+ protected:
+  FrameOfTiles() {
+    ColdStart start;
+    start.scale.origin = {5, 0, 0};
+    start.scale.scale = 0.25;
+    inspector_.setSeeds(start, Options());
+  }
+
+  void endCycle(const Aabb& tiles) {
     CycleCounters counted{};
     counted.clustered = 32000;
-    counted.misfits = misfits;
-    inspector.beginCycle(Options());
-    Options options;
-    options.clusters = 4;
-    inspector.endCycle(counted, options, 4, 2048, 32000, started_cold);
-    return inspector.isCold();
-  };
-  EXPECT_FALSE(isColdAfter(300, true)) << "a frame is made once";
-  EXPECT_FALSE(isColdAfter(420, false));
-  EXPECT_TRUE(isColdAfter(440, false));
-  EXPECT_FALSE(isColdAfter(440, true));
-  EXPECT_FALSE(isColdAfter(0, false));
-  EXPECT_FALSE(isColdAfter(560, false));
-  EXPECT_TRUE(isColdAfter(580, false));
+    for (int k = 0; k < 3; ++k) {
+      if (tiles.empty()) continue;
+      counted.tiles_box[k] = ~orderedBits(tiles.min[k]);
+      counted.tiles_box[3 + k] = orderedBits(tiles.max[k]);
+    }
+    inspector_.beginCycle(Options());
+    inspector_.endCycle(counted, Options(), 1, 2048, 32000, false);
+    EXPECT_FALSE(inspector_.isCold());
+  }
+  double reach() const { return 1 / inspector_.frame().scale; }
+  double middle() const { return inspector_.frame().origin.x; }
+  bool has(const Aabb& box) const {
+    return box.min.x >= middle() - reach() && box.max.x <= middle() + reach();
+  }
+
+  SceneInspector inspector_{{500, 8192, 100000, 132}};
+};
+
+TEST_F(FrameOfTiles, IsThatOfTheSceneAtFirst) {
+  EXPECT_EQ(middle(), 5);
+  EXPECT_EQ(reach(), 4);
+  endCycle(Aabb());
+  EXPECT_EQ(reach(), 4) << "a cycle without tiles tells nothing";
+}
+
+TEST_F(FrameOfTiles, FollowsAndHasRoomToMove) {
+  for (int i = 0; i < 200; ++i) {
+    const float at = 0.1F * static_cast<float>(i);
+    endCycle(cube(at, 1));
+    EXPECT_TRUE(has(cube(at + 0.1F, 1))) << "so far in the next cycle: " << at;
+    EXPECT_LT(reach(), 4);
+  }
+  EXPECT_GT(middle(), 17);
+}
+
+TEST_F(FrameOfTiles, HasBothPlacesBetweenWhichASceneJumps) {
+  for (int i = 0; i < 20; ++i) endCycle(cube(i % 2 == 0 ? 0 : 10, 1));
+  EXPECT_TRUE(has(cube(0, 1)));
+  EXPECT_TRUE(has(cube(10, 1)));
+}
+
+TEST_F(FrameOfTiles, ShrinksAfterAWhile) {
+  endCycle(cube(0, 1000));
+  EXPECT_NEAR(reach(), 1250, 1);
+  for (int i = 0; i < 400; ++i) endCycle(cube(0, 0.001F));
+  EXPECT_LT(reach(), 0.01);
+}
+
+TEST_F(FrameOfTiles, OfExtremesIsAFrame) {
+  endCycle(cube(0, 3e38F));
+  EXPECT_TRUE(std::isfinite(inspector_.frame().origin.x));
+  endCycle({{1, 1, 1}, {1, 1, 1}});
+  EXPECT_FALSE(std::isnan(inspector_.frame().scale));
 }
 
 }  // namespace
