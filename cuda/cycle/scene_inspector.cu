@@ -96,20 +96,20 @@ void SceneInspector::endCycle(const CycleCounters& counted, const Options& optio
   moveFrame(boxOf(counted.tiles_box));
 }
 
-// The frame covers the tiles of this cycle, those of the cycles before as long as they are not left
-// behind for some time, and a quarter more.
+// The frame covers the sampled tiles of this cycle, and those of the cycles before as long as they
+// have not been left behind for some time. It has room for as much again.
 void SceneInspector::moveFrame(const Aabb& tiles) {
   if (tiles.empty()) return;
   if (covered_.empty()) covered_ = tiles;
   const auto followed = [](const Vec3f& from, const Vec3f& to) {
-    constexpr double kOfWay = 1.0 / 32;
+    constexpr double kOfWay = 1.0 / 8;
     return toFloat(toDouble(from) + (toDouble(to) - toDouble(from)) * kOfWay);
   };
   covered_ = {followed(covered_.min, tiles.min), followed(covered_.max, tiles.max)};
   covered_.include(tiles);
   const Vec3d low = toDouble(covered_.min), high = toDouble(covered_.max), size = high - low;
   frame_.origin = (low + high) * 0.5;
-  frame_.scale = 1 / (0.625 * std::max({size.x, size.y, size.z}));
+  frame_.scale = 1 / (0.625 * 2 * std::max({size.x, size.y, size.z}));
 }
 
 }  // namespace deformable_contact_monitor

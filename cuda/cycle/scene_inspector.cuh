@@ -55,21 +55,22 @@ class SceneInspector {
              std::uint64_t memory_limit_bytes, bool& started_cold, ColdStart& start,
              CycleSizes& sizes);
 
-  // Records that the prototypes are the seeds of `start`, in the scale of `start`.
+  // Records that the prototypes are the seeds of `start`, in the scale of `start`, which becomes
+  // the frame too.
   void setSeeds(const ColdStart& start, const Options& options);
 
-  // Decides after a cycle how the next one begins. If many more triangles are oversized than at the
-  // last inspection, the next cycle starts cold. If the scene needs another number of clusters, it
-  // gets new ones from samples of this cycle, or starts cold if these are too few. `samples`: the
-  // number of samples that were taken.
+  // Decides after a cycle how the next one begins, and moves the frame. If many more triangles are
+  // oversized than at the last inspection, the next cycle starts cold. If the scene needs another
+  // number of clusters, it gets new ones from samples of this cycle, or starts cold if these are
+  // too few. `samples`: the number of samples that were taken.
   void endCycle(const CycleCounters& counted, const Options& options, std::uint32_t clusters,
                 std::uint32_t samples, std::uint32_t triangles, bool started_cold);
 
   // Returns the number of clusters that the scene of the last cycle needs.
   std::uint32_t wantedClusters() const { return wanted_clusters_; }
   const SceneScale& scale() const { return scale_; }
-  // Returns the scale for the frames of rounded boxes: it brings the tiles of the last cycles into
-  // [-1, 1]. It follows a scene that moves or changes its size.
+  // Returns the scale for the frames of rounded boxes: it brings most of what was live in the last
+  // cycles into [-0.8, 0.8]. It follows a scene that moves or changes its size.
   const SceneScale& frame() const { return frame_; }
   const SizeRule& sizeRule() const { return size_rule_; }
 

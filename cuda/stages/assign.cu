@@ -282,16 +282,17 @@ __device__ void countRejected(const SceneArrays& scene, std::uint32_t part, bool
 }
 
 // Returns the box of all lanes' boxes, those of a tile's live triangles. Grows counters().tiles_box
-// by it if the tile is one of those that are sampled. Called by a whole warp.
-__device__ Aabb boxOfTile(const CycleArrays& c, TileIndex tile, const Aabb& box) {
+// by it if the tile is the first one of its body, or one of those that are sampled. Called by a
+// whole warp.
+__device__ Aabb boxOfTile(const CycleArrays& c, const DeviceBody& body, TileIndex tile,
+                          const Aabb& box) {
   const Aabb all = warpBox(box);
   constexpr std::uint32_t kSampled = 1024;  // tiles, at most
   const bool is_sample = tile.value % (c.scene.tile_count / kSampled + 1) == 0;
-  if (laneId() != 0 || !is_sample || all.empty()) return all;
-  std::uint32_t* const sides = c.counters().tiles_box;
-  for (int k = 0; k < 3; ++k) {
-    atomicMax(&sides[k], ~orderedBits(all.min[k]));
-    atomicMax(&sides[3 + k], orderedBits(all.max[k]));
+  const unsigned k = laneId();
+  if ((is_sample || tile.value == body.first_tile) && !all.empty() && k < kSides) {
+    atomicMax(&c.counters().tiles_box[k], k < 3 ? ~orderedBits(all.min[static_cast<int>(k)])
+                                                : orderedBits(all.max[static_cast<int>(k) - 3]));
   }
   return all;
 }
@@ -304,10 +305,10 @@ __device__ void putState(TileState* state, const Aabb& box, std::uint32_t live,
   state->list = list;
 }
 
-// One warp for each tile. Reads scene.slot_numbers, scene.posed and scene.body_boxes;
-// writes tiles.entries, tiles.bounds and tiles.states; adds to tiles.bin_entries, tiles.lists and
-// tiles.oversized. In swept motion (kStates == 2) it also writes the earlier states, to
-// tiles.earlier.
+// One warp for each tile. Reads scene.slot_numbers, scene.posed and scene.body_boxes; writes
+// tiles.entries, tiles.bounds and tiles.states; adds to tiles.bin_entries, tiles.lists,
+// tiles.oversized and counters().tiles_box. In swept motion (kStates == 2) it also writes the
+// earlier states, to tiles.earlier.
 template <int kStates>
 __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   __shared__ std::uint32_t found[kWarps][BorderTile<3 * kStates>::kMostFound];
@@ -363,7 +364,7 @@ __global__ void __launch_bounds__(kThreads) assignKernel(CycleArrays c) {
   const AxisBox axes_of_tile = warpBox(regular ? axes : AxisBox());
   if (laneId() == 0) c.tiles.states[tile].axes = TurnedAxisBox(axes_of_tile);
   if (large) c.tiles.oversized[Place(atomicAdd(&c.counters().oversized, 1U))] = slot;
-  const Aabb all = boxOfTile(c, tile, regular ? box : Aabb());
+  const Aabb all = boxOfTile(c, body, tile, regular ? box : Aabb());
   const std::uint32_t list = live == 0 || c.usesBruteForce()
                                  ? kNone
                                  : assignTile(c, tile, live, corners, body.slack, found[warp]);

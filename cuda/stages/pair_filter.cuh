@@ -110,6 +110,8 @@ __device__ inline bool filterPair(const CycleArrays& c, TileEntryIndex at_a, Til
   PairFacts facts;
   facts.shared = sharedByBits(shared_a, shared_b);
   facts.margin_m = marginOf(c, a, b);
+  // With a margin planes drop nothing, so rounded boxes alone would leave too many candidates.
+  if (facts.margin_m > 0 && !intersects(tileEntryBox(c, a), tileEntryBox(c, b))) return false;
   if (!isCandidate(a.posed, b.posed, facts)) return false;
   candidate = {at_a, at_b, packFacts(facts)};
   const ScenePartition& partition = c.params().partition;

@@ -10,8 +10,8 @@
 
 namespace deformable_contact_monitor {
 
-// Maps v to (v - origin) * scale, where scale is a power of two that brings the working set into
-// [-1, 1]. It computes in double: the scale of a subnormal scene is no float32.
+// Maps v to (v - origin) * scale. The scale of clusters is a power of two that brings the working
+// set into [-1, 1]. It computes in double: the scale of a subnormal scene is no float32.
 struct SceneScale {
   Vec3d origin;
   double scale = 1;

@@ -61,6 +61,7 @@ std::vector<SceneScale> scalesFor(double reach_m, const Vec3d& middle) {
           scaleOf(reach_m / 100, middle),
           scaleOf(reach_m * 1e6, middle),
           scaleOf(reach_m, middle + Vec3d{reach_m, -reach_m, 0}),
+          scaleOf(0, middle),
           scaleOf(1e-44, {1e-44, 0, 0}),
           scaleOf(1e40, {1e38, -1e38, 1e38}),
           SceneScale()};

@@ -105,6 +105,11 @@ TEST(SceneMeasurer, AnOutlierIsLargeWhetherSampledOrNot) {
         << static_cast<int>(inspection);
     EXPECT_FALSE(SizeBounds(start.size_rule).isOversized({{0, 0, 0}, {0.01F, 0.01F, 0.01F}}))
         << static_cast<int>(inspection);
+    for (const float far : {-1e6F, 1e6F}) {
+      for (const Vec3f& at : {Vec3f{far, 0, 0}, Vec3f{0, far, 0}, Vec3f{0, 0, far}}) {
+        EXPECT_TRUE(SizeBounds(start.size_rule).isOversized({at, at}));
+      }
+    }
     EXPECT_GE(start.scale.scale, 0.5) << static_cast<int>(inspection);
   }
 }
