@@ -97,7 +97,8 @@ void SceneInspector::endCycle(const CycleCounters& counted, const Options& optio
 }
 
 // The frame covers the sampled tiles of this cycle, and those of the cycles before as long as they
-// have not been left behind for some time. It has room for as much again.
+// have not been left behind for some time. It is two and a half times as wide, so that they may
+// move.
 void SceneInspector::moveFrame(const Aabb& tiles) {
   if (tiles.empty()) return;
   if (covered_.empty()) covered_ = tiles;
@@ -109,7 +110,7 @@ void SceneInspector::moveFrame(const Aabb& tiles) {
   covered_.include(tiles);
   const Vec3d low = toDouble(covered_.min), high = toDouble(covered_.max), size = high - low;
   frame_.origin = (low + high) * 0.5;
-  frame_.scale = 1 / (0.625 * 2 * std::max({size.x, size.y, size.z}));
+  frame_.scale = 1 / (1.25 * std::max({size.x, size.y, size.z}));
 }
 
 }  // namespace deformable_contact_monitor

@@ -70,7 +70,7 @@ class SceneInspector {
   std::uint32_t wantedClusters() const { return wanted_clusters_; }
   const SceneScale& scale() const { return scale_; }
   // Returns the scale for the frames of rounded boxes: it brings most of what was live in the last
-  // cycles into [-0.8, 0.8]. It follows a scene that moves or changes its size.
+  // cycles into [-0.4, 0.4]. It follows a scene that moves or changes its size.
   const SceneScale& frame() const { return frame_; }
   const SizeRule& sizeRule() const { return size_rule_; }
 

@@ -18,10 +18,7 @@ struct AxisFrame {
   explicit AxisFrame(const SceneScale& scale) {
     const double reach = 1 / scale.scale;
     const double middle[3] = {scale.origin.x, scale.origin.y, scale.origin.z};
-    const auto bound = [](double x) { return static_cast<float>(least(most(x, -1e38), 1e38)); };
-    for (int k = 0; k < 3; ++k) {
-      along[k] = Quantiser(bound(middle[k] - reach), bound(middle[k] + reach));
-    }
+    for (int k = 0; k < 3; ++k) along[k] = Quantiser::around(middle[k], reach);
   }
 };
 

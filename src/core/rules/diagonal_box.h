@@ -22,14 +22,8 @@ struct DiagonalFrame {
     const Vec3d o = scale.origin;
     const double reach = 3 / scale.scale;  // of a point in the scene, along a diagonal
     const double middle[4] = {o.x + o.y + o.z, o.x + o.y - o.z, o.x - o.y + o.z, o.x - o.y - o.z};
-    for (int k = 0; k < 4; ++k) {
-      along[k] = Quantiser(bound(middle[k] - reach), bound(middle[k] + reach));
-    }
+    for (int k = 0; k < 4; ++k) along[k] = Quantiser::around(middle[k], reach);
   }
-
- private:
-  // The length between two bounds is a float too.
-  static float bound(double x) { return static_cast<float>(least(most(x, -1e38), 1e38)); }
 };
 
 // The intervals along the four diagonals, two in each part.

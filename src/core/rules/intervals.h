@@ -69,6 +69,11 @@ struct Quantiser {
   DCM_HD Quantiser(float lo, float hi) : origin(lo), scale(32767.0F / (hi - lo)) {
     if (!(scale < 1e37F)) scale = 0;
   }
+  // Returns the one for all within `reach` of `middle`, as far as a range has a length in float32.
+  static Quantiser around(double middle, double reach) {
+    const auto bound = [](double x) { return static_cast<float>(least(most(x, -1e38), 1e38)); };
+    return {bound(middle - reach), bound(middle + reach)};
+  }
   DCM_HD std::uint32_t operator()(float x) const {
     // The sum is rounded to an integer, which its last bits hold. That is cheaper than a
     // conversion.
