@@ -8,10 +8,15 @@
 namespace deformable_contact_monitor {
 namespace {
 
-// Returns whether certified vertex fans can decide pairs of bodies that may touch themselves.
+// Returns whether the settings let certified vertex fans decide pairs of triangles.
 bool asksForFans(const Options& options) {
   return options.motion == Motion::kInstant && options.adjacent == AdjacentPairs::kBeyondShared &&
          options.predicates != Predicates::kConservative;
+}
+
+// Returns whether they do. A fan decides pairs that share a vertex by its number.
+bool usesFans(const DeviceScene& scene, const Options& options) {
+  return scene.tables().any_self_mesh && asksForFans(options);
 }
 
 }  // namespace
@@ -118,7 +123,7 @@ void CycleUpload::setParams(const Options& options, const CycleLimit& limit) {
   params.partition = partition_;
   params.any_self = scene.anySelf() ? 1 : 0;
   params.identities = scene.knownIdentities(options);
-  params.fans = scene.anySelf() && asksForFans(options) ? 1 : 0;
+  params.fans = usesFans(scene, options) ? 1 : 0;
 }
 
 // Sends poses and margins. Then builds the tiles of new and changed bodies, and the vertex rings
@@ -127,7 +132,7 @@ void CycleUpload::sendBodiesAndMakeTiles(const Scene& scene, const Options& opti
   cycle_.scene.sendBodies(scene, options, inspector_.scale(), cycle_.copies);
   if (any_new) cycle_.copies.launch();
   cycle_.scene.makeTiles(cycle_.stream.get());
-  if (cycle_.scene.anySelf() && asksForFans(options)) cycle_.scene.findFans(cycle_.stream.get());
+  if (usesFans(cycle_.scene, options)) cycle_.scene.findFans(cycle_.stream.get());
 }
 
 // Sends the seeds and makes them the prototypes.
@@ -162,8 +167,9 @@ void CycleUpload::sizeBins(const Options& options, bool new_clusters) {
 }
 
 void CycleUpload::endCycle(const Options& options, bool started_cold) {
-  if (cycle_.params[0].identities == KnownIdentities::kAll && options.motion == Motion::kInstant) {
-    cycle_.scene.setRepeatedVertices(cycle_.counted().repeated_vertices);
+  if (options.motion == Motion::kInstant) {
+    const bool searched = cycle_.params[0].identities == KnownIdentities::kAll;
+    cycle_.scene.setEqualVertices(cycle_.counted(), searched);
   }
   inspector_.endCycle(cycle_.counted(), options, cycle_.sizes.clusters,
                       cycle_.arrays.clusters.sample_count, cycle_.scene.triangleCount(),

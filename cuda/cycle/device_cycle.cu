@@ -1,4 +1,5 @@
 // Grows the device arrays and sends the settings of a cycle.
+#include <algorithm>
 #include <cstring>
 
 #include "cuda/cycle/device_cycle.cuh"
@@ -10,6 +11,9 @@ DeviceCycle::DeviceCycle(const CudaSettings& cuda_settings)
     : settings(cuda_settings), device(DeviceTraits::of(cuda_settings.device)) {
   arrays.host_counters.pointTo(counters.data());
   arrays.host_stop.pointTo(stop.word());
+  // The multiprocessors share the tests of boxes, while one of them sorts all tiles of a cluster.
+  constexpr std::uint32_t kLeast = 4096, kEach = 64;
+  arrays.most_brute_force_tiles = std::max(kLeast, kEach * device.multiprocessors);
 }
 
 void DeviceCycle::growArrays() {

@@ -396,6 +396,7 @@ struct CycleArrays : ArrayGroup {
   ContactArrays contacts;
   NearestArrays nearest;
 
+  std::uint32_t most_brute_force_tiles = 0;    // of one cluster, see usesBruteForce()
   PinnedPointer<CycleCounters> host_counters;  // to which the last kernel copies the counters
   PinnedPointer<std::uint32_t> host_stop;      // not 0: the cycle is to end early
 
@@ -404,8 +405,7 @@ struct CycleArrays : ArrayGroup {
   // Returns whether there is only one cluster, of few tiles. Then no cluster structures are built,
   // and the box of each tile is tested against that of every other tile.
   __host__ __device__ bool usesBruteForce() const {
-    constexpr std::uint32_t kMostTiles = 4096;
-    return clusters.count == 1 && scene.tile_count <= kMostTiles;
+    return clusters.count == 1 && scene.tile_count <= most_brute_force_tiles;
   }
   // Returns how many contacts are on the list; others were found but had no room.
   __device__ std::uint32_t listedContacts() const {

@@ -99,7 +99,10 @@ struct alignas(kLine) CycleCounters {
   unsigned long long examined;    // the candidates of all passes
   unsigned long long unexamined;  // candidates without room, which get no verdict
   alignas(kLine) std::uint32_t far_vertices;
-  std::uint32_t repeated_vertices;  // vertices that equal another one; not in swept motion
+  // Not in swept motion: how many vertices equal another one if these are searched; otherwise how
+  // many pairs of triangles were found to share one.
+  std::uint32_t repeated_vertices;
+  std::uint32_t sharing_pairs;
   // The box of the live triangles of some thousand tiles, see boxOf() in cuda/device/boxes.cuh.
   alignas(kLine) std::uint32_t tiles_box[kSides];
   alignas(kLine) std::uint32_t list_words;

@@ -95,7 +95,7 @@ DeviceScene::Change DeviceScene::layOut(const Scene& scene, Motion motion, bool 
   Change change;
   if (!isLaidOut(scene)) change = layOutAnew(scene);
   pairs_revision_ = scene.pairsRevision();
-  if (fans && tables_.any_self && !has_fans_) sizeFans(scene);
+  if (fans && tables_.any_self_mesh && !has_fans_) sizeFans(scene);
   sizes_.follow();
   any_from_device_ =
       std::any_of(tables_.taking_part.begin(), tables_.taking_part.end(),
@@ -128,6 +128,7 @@ DeviceScene::Change DeviceScene::layOutAnew(const Scene& scene) {
   const std::vector<LaidOutBody> before = laid_out_ ? laid_out_bodies_ : std::vector<LaidOutBody>();
   laid_out_ = has_fans_ = bodies_sent_ = false;  // until the new layout is complete
   repeated_vertices_ = kNotCounted;
+  sharing_pairs_ = 0;
   pairs_ = scene.enabledPairs();
   disabled_parts_ = scene.disabledParts();
   parts_.clear();
@@ -202,9 +203,11 @@ void DeviceScene::growArrays(cudaStream_t stream) {
 
 bool DeviceScene::searchesEqualVertices(const Options& options) const {
   if (!tables_.any_self) return false;
-  if (options.adjacent != AdjacentPairs::kSkip || options.motion == Motion::kSwept) return true;
+  if (options.motion == Motion::kSwept) return true;
+  if (options.adjacent != AdjacentPairs::kSkip && tables_.any_self_mesh) return true;
   constexpr std::uint32_t kFewOf = 8;
-  return repeated_vertices_ > tables_.self_vertices / kFewOf;
+  return repeated_vertices_ > tables_.self_vertices / kFewOf ||
+         sharing_pairs_ > tables_.self_vertices;
 }
 
 void DeviceScene::makeTiles(cudaStream_t stream) {

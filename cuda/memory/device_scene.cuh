@@ -1,6 +1,7 @@
 // Keeps a copy of the scene on the device, and sends only what has changed.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -74,17 +75,24 @@ class DeviceScene {
   std::uint32_t triangleCount() const { return arrays_.triangle_count; }
   std::uint32_t groupCount() const { return tables_.group_count; }
   bool anySelf() const { return tables_.any_self; }
-  // Returns whether a cycle searches for equal vertices before it sweeps. It does not if pairs of
-  // triangles that share a vertex are skipped, and a cycle of this layout found few vertices that
-  // are equal to another one. Then the vertices of the pairs that pass the filters are compared,
-  // which is faster.
+  // Returns whether a cycle searches for equal vertices before it sweeps. It does not if a cycle of
+  // this layout found few vertices that are equal to another one, and either pairs of triangles
+  // that share a vertex are skipped, or none do by their numbers (not in swept motion). Then the
+  // vertices of the pairs that pass the filters are compared, which is faster as long as few of
+  // these pairs share one.
   bool searchesEqualVertices(const Options& options) const;
   KnownIdentities knownIdentities(const Options& options) const {
     if (searchesEqualVertices(options)) return KnownIdentities::kAll;
     return tables_.any_self_mesh ? KnownIdentities::kNumbers : KnownIdentities::kNone;
   }
-  // Remembers how many vertices a cycle found that are equal to another one.
-  void setRepeatedVertices(std::uint32_t count) { repeated_vertices_ = count; }
+  // Learns from a cycle that searched for equal vertices, or from one that did not.
+  void setEqualVertices(const CycleCounters& counted, bool searched) {
+    if (searched) {
+      repeated_vertices_ = counted.repeated_vertices;
+    } else {
+      sharing_pairs_ = std::max(sharing_pairs_, counted.sharing_pairs);
+    }
+  }
   // Returns whether the scene that was sent has margins within which pairs are listed, and pads.
   BodyLengths anyLengths() const { return any_; }
 
@@ -138,8 +146,10 @@ class DeviceScene {
   std::uint32_t deformed_ = 0;   // cycles that sent vertices since the tiles were built
   bool has_fans_ = false;        // the vertex rings are on the device
   bool bodies_sent_ = false;     // the bodies in staged_bodies_ are on the device
-  std::uint32_t repeated_vertices_ = kNotCounted;  // by a cycle of this layout
-  std::uint64_t pairs_revision_ = 0;               // of the enabled pairs
+  // The vertices that a cycle of this layout found equal to another one, and the most pairs that
+  // shared such vertices in a cycle.
+  std::uint32_t repeated_vertices_ = kNotCounted, sharing_pairs_ = 0;
+  std::uint64_t pairs_revision_ = 0;  // of the enabled pairs
   std::vector<std::pair<BodyId, BodyId>> pairs_;
   std::vector<PartPair> disabled_parts_;
   std::vector<std::uint64_t> parts_;          // Body::parts_revision, for each body of the scene

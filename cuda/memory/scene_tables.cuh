@@ -38,7 +38,7 @@ struct SceneTables {
   std::uint32_t vertex_count = 0, triangle_count = 0, tile_count = 0;
   std::uint32_t self_vertices = 0;  // of the bodies that may have contacts with themselves
   bool any_self = false;            // some body may
-  bool any_self_mesh = false;  // in one of these bodies, triangles share vertices by their numbers
+  bool any_self_mesh = false;       // triangles of such a body may share vertices by their numbers
 
  private:
   void addPairs(const Scene& scene, const BodyGroups& groups, BodyIndex row);

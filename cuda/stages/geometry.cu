@@ -121,8 +121,6 @@ __global__ void __launch_bounds__(kThreads)
 void launchGeometry(const CycleArrays& cycle, const SortedContacts& sorted,
                     const GeometryOutput& out, unsigned blocks, cudaStream_t stream) {
   if (sorted.most == 0) return;
-  checkCuda(cudaMemsetAsync(out.open_count, 0, kOpenKinds * sizeof(std::uint32_t), stream),
-            "cudaMemsetAsync");
   const unsigned crossing_blocks = (sorted.most + kThreads - 1) / kThreads;
   crossingKernel<<<crossing_blocks, kThreads, 0, stream>>>(cycle, sorted, out);
   openKernel<<<blocks, kThreads, 0, stream>>>(cycle, sorted, out);

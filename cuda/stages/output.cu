@@ -42,7 +42,10 @@ OrderedOutput ContactOutput::output(DetectionResult& result) {
   if (fields_.times()) out.times = times_.data();
   out.room = room_;
   out.too_long = too_long_.data();
-  if (fields_.geometry) out.keys = keys_.data();
+  if (fields_.geometry) {
+    out.keys = keys_.data();
+    out.open_count = open_count_.data();
+  }
   if (fields_.geometry && fields_.separations) {
     out.separations_on_device = sorted_separations_.data();
   }

@@ -46,6 +46,7 @@ __device__ void filterBoxPair(const CycleArrays& c, TileEntryIndex at_a, TileEnt
   DeviceCandidate candidate;
   const auto filter = kStates > 1 ? filterMovingPair : filterPair;
   if (!filter(c, at_a, at_b, shared_a, shared_b, candidate)) return;
+  if (kStates == 1 && !isCandidateHere(c, a, b, candidate)) return;
   if (kStates == 1 && c.params().decides != 0) {
     const PartVerdict verdict = certainVerdict(a.posed, b.posed, unpackFacts(candidate.facts));
     if (verdict != PartVerdict::kOpen) atomicAdd(&c.counters().decided, 1ULL);
@@ -56,7 +57,7 @@ __device__ void filterBoxPair(const CycleArrays& c, TileEntryIndex at_a, TileEnt
   }
   const unsigned long long place = atomicAdd(&c.counters().candidates, 1ULL);
   if (!putCandidate(c, place, candidate) || c.params().leaves_few == 0) return;
-  const bool adjacent = shared_a != 0;
+  const bool adjacent = sharedBitsOf(candidate) != 0;
   putOpen(c, adjacent, atomicAdd(adjacent ? &c.counters().open_adjacent : &c.counters().open, 1U),
           Place(static_cast<std::uint32_t>(place)));
 }

@@ -83,25 +83,27 @@ __device__ inline Aabb tileEntryBox(const CycleArrays& c, const TileEntry& m) {
   return inflated(boxOf(m.posed), c.params().margins == 0 ? 0 : c.scene.bodies[m.body].margin_m);
 }
 
-// Returns whether two tile entries of one body share a vertex. Vertices are equal if they are equal
-// as received; then they are equal in the scene frame too.
-__device__ inline bool shareReceivedVertices(const CycleArrays& c, TileEntryIndex at_a,
-                                             TileEntryIndex at_b) {
-  const TileEntry a = c.tiles.at(at_a), b = c.tiles.at(at_b);
-  if (a.body != b.body || !sharedVertices(a.posed, b.posed).any) return false;
-  const auto received = [&c](const TileEntry& of, int k) {
-    const float* const v = c.scene.received.row(c.scene.corners.row(of.triangle)[k]);
-    return Vec3f{v[0], v[1], v[2]};
+// Finds the shared vertices of two tile entries by their coordinates. Vertices are equal if they
+// are equal as received; then they are equal in the scene frame too.
+__device__ inline SharedVertices sharedAsReceived(const CycleArrays& c, const TileEntry& a,
+                                                  const TileEntry& b) {
+  bool same_x = false;  // most pairs need no other test
+  for (int k = 0; k < 9; ++k) same_x |= a.posed.v[k / 3].x == b.posed.v[k % 3].x;
+  if (a.body != b.body || !same_x || !sharedVertices(a.posed, b.posed).any) return {};
+  const auto received = [&c](const TileEntry& of) {
+    Triangle t;
+    for (int k = 0; k < 3; ++k) {
+      const float* const v = c.scene.received.row(c.scene.corners.row(of.triangle)[k]);
+      t.v[k] = {v[0], v[1], v[2]};
+    }
+    return t;
   };
-  for (int k = 0; k < 9; ++k) {
-    if (received(a, k / 3) == received(b, k % 3)) return true;
-  }
-  return false;
+  return sharedVertices(received(a), received(b));
 }
 
-// Returns whether two tile entries whose boxes meet are a candidate of this partition, and sets
-// `candidate`. `shared_a` and `shared_b`: the bits of their shared vertices. If equal vertices were
-// not searched (CycleParams::identities), it drops pairs that share one.
+// Returns whether two tile entries whose boxes meet may be a candidate, and sets `candidate`.
+// `shared_a` and `shared_b`: the bits of their shared vertices, as far as they are known. For pairs
+// with a margin planes decide nothing. isCandidateHere() makes the other tests.
 __device__ inline bool filterPair(const CycleArrays& c, TileEntryIndex at_a, TileEntryIndex at_b,
                                   std::uint32_t shared_a, std::uint32_t shared_b,
                                   DeviceCandidate& candidate) {
@@ -110,14 +112,31 @@ __device__ inline bool filterPair(const CycleArrays& c, TileEntryIndex at_a, Til
   PairFacts facts;
   facts.shared = sharedByBits(shared_a, shared_b);
   facts.margin_m = marginOf(c, a, b);
-  // With a margin planes drop nothing, so rounded boxes alone would leave too many candidates.
-  if (facts.margin_m > 0 && !intersects(tileEntryBox(c, a), tileEntryBox(c, b))) return false;
   if (!isCandidate(a.posed, b.posed, facts)) return false;
   candidate = {at_a, at_b, packFacts(facts)};
-  const ScenePartition& partition = c.params().partition;
+  return true;
+}
+
+// Returns whether a pair that filterPair() left is a candidate of this partition. If equal vertices
+// were not searched (CycleParams::identities), it compares those of the pair: it drops a pair that
+// shares one if such pairs are skipped or if it is certainly apart beyond the shared vertices, and
+// otherwise adds these to `candidate`. filterPair() has dropped no such pair, because triangles
+// that share a vertex meet.
+__device__ inline bool isCandidateHere(const CycleArrays& c, const TileEntry& a, const TileEntry& b,
+                                       DeviceCandidate& candidate) {
+  const CycleParams& params = c.params();
+  // The boxes were rounded, and there are no planes where there are margins.
+  if (params.margins != 0 && !intersects(tileEntryBox(c, a), tileEntryBox(c, b))) return false;
+  const ScenePartition& partition = params.partition;
   if (!partition.isWhole() && !partition.owns(tileEntryBox(c, a), tileEntryBox(c, b))) return false;
-  const bool may_share = c.params().any_self != 0 && c.params().identities != KnownIdentities::kAll;
-  return !may_share || !shareReceivedVertices(c, at_a, at_b);
+  if (params.any_self == 0 || params.identities == KnownIdentities::kAll) return true;
+  PairFacts facts = unpackFacts(candidate.facts);
+  facts.shared = sharedAsReceived(c, a, b);
+  if (!facts.shared.any) return true;
+  atomicAdd(&c.counters().sharing_pairs, 1U);
+  candidate.facts = packFacts(facts);
+  return params.adjacent != AdjacentPairs::kSkip &&
+         beyondSharedVerdict(facts.shared, facts.sides) != PartVerdict::kApart;
 }
 
 }  // namespace deformable_contact_monitor

@@ -66,13 +66,20 @@ __device__ void writeOne(const CycleArrays& c, const OrderedOutput& out, Place f
   if (out.separations_on_device != nullptr) out.separations_on_device[place] = separation_m;
 }
 
+// Called by one thread before contacts are written, or not written because of long rows.
+__device__ void beginOutput(const OrderedOutput& out, bool too_long) {
+  *out.too_long = too_long ? 1 : 0;
+  if (out.open_count == nullptr) return;
+  for (unsigned k = 0; k < kOpenKinds; ++k) out.open_count[k] = 0;
+}
+
 // One thread for each contact: finds its place in its row by counting the lesser keys, and writes
 // it there. A contact that was found twice gets two places.
 __global__ void __launch_bounds__(kThreads) writeKernel(CycleArrays c, OrderedOutput out) {
   const bool too_long = c.contacts.row_too_long[Place(0)] != 0;
   const std::uint32_t count = c.listedContacts(), stride = gridDim.x * kThreads;
   std::uint32_t i = blockIdx.x * kThreads + threadIdx.x;
-  if (i == 0) *out.too_long = too_long ? 1 : 0;
+  if (i == 0) beginOutput(out, too_long);
   if (too_long) return;
   for (; i < count; i += stride) {
     const std::uint64_t key = c.contacts.rows[Place(i)];
@@ -91,10 +98,12 @@ __global__ void __launch_bounds__(kThreads) writeKernel(CycleArrays c, OrderedOu
 // One warp for each contact: does the same for few contacts, as if all of them were one row.
 __global__ void __launch_bounds__(kThreads) writeFewKernel(CycleArrays c, OrderedOutput out) {
   const std::uint32_t count = c.listedContacts(), stride = gridDim.x * kThreads / kWarp;
+  const bool too_long = count > kLongestRow;
   if (blockIdx.x == 0 && threadIdx.x == 0) {
-    *out.too_long = c.contacts.row_too_long[Place(0)] = count > kLongestRow ? 1 : 0;
+    c.contacts.row_too_long[Place(0)] = too_long ? 1 : 0;
+    beginOutput(out, too_long);
   }
-  if (count > kLongestRow) return;
+  if (too_long) return;
   for (std::uint32_t i = (blockIdx.x * kThreads + threadIdx.x) / kWarp; i < count; i += stride) {
     const std::uint64_t key = c.contacts.contacts[Place(i)];
     std::uint32_t before = 0;
@@ -119,7 +128,10 @@ __global__ void __launch_bounds__(kThreads)
     writeSortedKernel(CycleArrays c, OrderedOutput out, std::uint32_t count) {
   const std::uint32_t stride = gridDim.x * kThreads;
   std::uint32_t i = blockIdx.x * kThreads + threadIdx.x;
-  if (i == 0) c.contacts.row_too_long[Place(0)] = 0;
+  if (i == 0) {
+    c.contacts.row_too_long[Place(0)] = 0;
+    beginOutput(out, false);
+  }
   for (; i < count; i += stride) {
     writeOne(c, out, c.contacts.row_from[Place(i)], c.contacts.rows[Place(i)], i);
   }

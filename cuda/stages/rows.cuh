@@ -28,7 +28,11 @@ struct OrderedOutput {
   // On the device, with the same room.
   std::uint64_t* keys;
   float* separations_on_device;
+  std::uint32_t* open_count;  // set to zeros, see GeometryOutput
 };
+
+// The kinds of contacts that do not properly cross: those that seem coplanar, and others.
+constexpr unsigned kOpenKinds = 2;
 
 // Groups the contacts by their lower triangles, in contacts.rows and row_from, and orders them. All
 // calls enqueue work in the stream. `blocks`: the number of blocks of each launch.
@@ -70,10 +74,8 @@ struct GeometryOutput {
   // On the device: the places of contacts that do not properly cross. Those that seem coplanar are
   // listed from the front, others from the back. There is room for SortedContacts::most.
   std::uint32_t* open;
-  std::uint32_t* open_count;  // kOpenKinds numbers: how many there are of either kind
+  std::uint32_t* open_count;  // kOpenKinds numbers: how many are listed of either kind; zero before
 };
-
-constexpr unsigned kOpenKinds = 2;
 
 // Enqueues the computation of each contact's geometry. Reads scene.corners and scene.posed.
 // `blocks`: the number of blocks of the launch for contacts that do not properly cross.

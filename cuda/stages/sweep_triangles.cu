@@ -253,7 +253,8 @@ class PairFilter {
     memory_.boxes[lane_] = memory_.boxes[lane_ + kWarp] = box;
     __syncwarp();
     unsigned wanted = mine ? live : 0;
-    const bool decided = !kAdjacent || (kStates == 1 && certifiedBits(ids_[at]) == kAllVertices);
+    const bool by_fans = kAdjacent && kStates == 1 && ids_ != nullptr;
+    const bool decided = !kAdjacent || (by_fans && certifiedBits(ids_[at]) == kAllVertices);
     if (decided) wanted &= ~c_.scene.slot_neighbours[TileEntryIndex(at)];
     listHits(box, lane_ + 1, 1, lane_ < kSteps ? kSteps : kSteps - 1, kSteps,
              __funnelshift_r(wanted, wanted, lane_ + 1));
@@ -343,8 +344,8 @@ class PairFilter {
     if (__any_sync(kFullWarp, open) != 0) adjacent_.push(open, pair);
   }
 
-  // Filters queued pairs by planes, and by the partition to which the pair belongs. In swept motion
-  // it uses moving boxes instead of planes.
+  // Filters queued pairs by planes. In swept motion it uses moving boxes instead, and the partition
+  // to which the pair belongs.
   __device__ void filterMet() {
     EntryPair pair{TileEntryIndex(0), TileEntryIndex(0)};
     DeviceCandidate candidate{};
@@ -369,11 +370,13 @@ class PairFilter {
     return filter(c_, pair.a, pair.b, shared_a, shared_b, candidate);
   }
 
-  // Decides the candidates of which float32 is certain, and leaves the others to the narrow phase.
+  // Makes the last tests of the filters, decides the pairs of which float32 is certain, and leaves
+  // the others to the narrow phase as candidates. Few pairs come this far.
   __device__ void decideCandidates() {
     DeviceCandidate candidate;
     bool open = candidates_.pop(candidate);
-    if (kStates == 1 && c_.params().decides != 0) {
+    if (kStates == 1) {
+      const bool decides = c_.params().decides != 0;
       PartVerdict verdict = PartVerdict::kOpen;
       TriangleIndex a(0), b(0);
       if (open) {
@@ -381,11 +384,16 @@ class PairFilter {
         const TileEntry entry_b = c_.tiles.at(candidate.b);
         a = entry_a.triangle;
         b = entry_b.triangle;
-        verdict = certainVerdict(entry_a.posed, entry_b.posed, unpackFacts(candidate.facts));
+        open = isCandidateHere(c_, entry_a, entry_b, candidate);
+        if (open && decides) {
+          verdict = certainVerdict(entry_a.posed, entry_b.posed, unpackFacts(candidate.facts));
+        }
       }
       const unsigned decided = __ballot_sync(kFullWarp, verdict != PartVerdict::kOpen);
-      if (laneId() == 0) atomicAdd(&c_.counters().decided, 1ULL * __popc(decided));
-      reportContacts(c_, verdict == PartVerdict::kMeet, a, b, 0);
+      if (decided != 0) {
+        if (laneId() == 0) atomicAdd(&c_.counters().decided, 1ULL * __popc(decided));
+        reportContacts(c_, verdict == PartVerdict::kMeet, a, b, 0);
+      }
       open = open && verdict == PartVerdict::kOpen;
     }
     const unsigned long long place = warpReserve(&c_.counters().candidates, open);

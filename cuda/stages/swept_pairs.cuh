@@ -38,7 +38,7 @@ __device__ inline Aabb partitionBoxAt(const CycleArrays& c, TileEntryIndex at) {
   return partitionBox(boxOf(movingAt(c, at)), c.scene.bodies[c.tiles.entries[at].body].margin_m);
 }
 
-// Does what filterPair does for two entries in swept motion, by moving boxes.
+// Does what filterPair() and isCandidateHere() do for two entries in swept motion, by moving boxes.
 __device__ inline bool filterMovingPair(const CycleArrays& c, TileEntryIndex at_a,
                                         TileEntryIndex at_b, std::uint32_t shared_a,
                                         std::uint32_t shared_b, DeviceCandidate& candidate) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <utility>
 #include <vector>
@@ -158,7 +159,57 @@ TEST_P(Adjacency, OfFewEqualVerticesIsDecidedAlikeInEveryCycle) {
   for (int cycle = 0; cycle < 7; ++cycle) {
     for (float& x : mesh.vertices) x += 0.05F * std::sin(5 * x);
     scene.setVertices(0, mesh.vertices.data(), mesh.vertexCount());
-    const AdjacentPairs adjacent = kBothAdjacent[cycle == 3 ? 1 : 0];
+    const AdjacentPairs adjacent = kBothAdjacent[cycle / 2 % 2];
+    const std::vector<TrianglePair> expected = oracleContacts(scene, adjacent);
+    EXPECT_FALSE(expected.empty());
+    EXPECT_TRUE(samePairs(expected, contacts(scene, withAdjacent(adjacent)))) << "cycle " << cycle;
+  }
+}
+
+// The same with margins, and with triangles so large that they are tested apart from the others.
+TEST_P(Adjacency, OfFewEqualVerticesIsDecidedByMarginsToo) {
+  TriangleMesh mesh = soupOfFewEqualVertices(500);
+  const auto addLarge = [&mesh](const Triangle& triangle) {
+    for (const Vec3f& v : triangle.v) {
+      mesh.triangles.push_back(static_cast<std::uint32_t>(mesh.vertexCount()));
+      mesh.vertices.insert(mesh.vertices.end(), {v.x, v.y, v.z});
+    }
+  };
+  const Vec3f first{mesh.vertices[0], mesh.vertices[1], mesh.vertices[2]};
+  addLarge({{first, {-900, 700, 0.4F}, {800, 600, 0.5F}}});
+  addLarge({{first, {700, -900, 0.3F}, {800, 800, 0.6F}}});
+  Scene scene = selfScene(mesh);
+  const auto reference = makeBruteForceDetector();
+  for (int cycle = 0; cycle < 8; ++cycle) {
+    for (float& x : mesh.vertices) x += 0.02F * std::sin(5 * x);
+    scene.setVertices(0, mesh.vertices.data(), mesh.vertexCount());
+    scene.setMargin(0, cycle % 3 == 1 ? 0 : 0.02F);
+    const Options options = withAdjacent(kBothAdjacent[cycle / 2 % 2]);
+    const std::vector<TrianglePair> expected = reference->detect(scene, options).contacts;
+    EXPECT_FALSE(expected.empty());
+    EXPECT_TRUE(samePairs(expected, contacts(scene, options))) << "cycle " << cycle;
+  }
+}
+
+// Vertices that are not finite at first do not hide that most are equal.
+TEST_P(Adjacency, OfASoupThatIsSeenLateIsDecidedAlikeInEveryCycle) {
+  TriangleMesh mesh = soupOf(clothGrid(12, 1, 0, 0));
+  const std::vector<float> vertices = mesh.vertices;
+  std::fill(mesh.vertices.begin(), mesh.vertices.end(), std::numeric_limits<float>::quiet_NaN());
+  Scene scene = selfScene(mesh);
+  for (const AdjacentPairs adjacent : kBothAdjacent) {
+    EXPECT_TRUE(contacts(scene, withAdjacent(adjacent)).empty());
+  }
+  for (int cycle = 0; cycle < 6; ++cycle) {
+    const auto phase = static_cast<float>(cycle);
+    for (std::size_t i = 0; i < vertices.size(); i += 3) {
+      const float x = vertices[i];
+      mesh.vertices[i] = x > 0.5F ? 1 - x : x;
+      mesh.vertices[i + 1] = vertices[i + 1];
+      mesh.vertices[i + 2] = 0.05F * std::sin(9 * vertices[i + 1] + phase) * std::sin(20 * x);
+    }
+    scene.setVertices(0, mesh.vertices.data(), mesh.vertexCount());
+    const AdjacentPairs adjacent = kBothAdjacent[cycle == 3 ? 0 : 1];
     const std::vector<TrianglePair> expected = oracleContacts(scene, adjacent);
     EXPECT_FALSE(expected.empty());
     EXPECT_TRUE(samePairs(expected, contacts(scene, withAdjacent(adjacent)))) << "cycle " << cycle;
@@ -196,7 +247,40 @@ TEST_P(Adjacency, OfASeamIsDecidedAlikeInEveryCycle) {
     const float open_m = cycle % 4 == 2 ? 0.02F : 0;
     const TriangleMesh mesh = clothWithASeam(0.1F * static_cast<float>(cycle), open_m);
     scene.setVertices(0, mesh.vertices.data(), mesh.vertexCount());
-    const AdjacentPairs adjacent = kBothAdjacent[cycle == 4 ? 1 : 0];
+    const AdjacentPairs adjacent = kBothAdjacent[cycle / 3 % 2];
+    const std::vector<TrianglePair> expected = oracleContacts(scene, adjacent);
+    EXPECT_FALSE(expected.empty());
+    EXPECT_TRUE(samePairs(expected, contacts(scene, withAdjacent(adjacent)))) << "cycle " << cycle;
+  }
+}
+
+// A folded cloth, each twelfth vertex of which lies on another one that is up to two squares away
+// in the mesh: there, triangles share vertices by their numbers and others by their places.
+TriangleMesh clothWithJoinedVertices(std::mt19937& random) {
+  constexpr std::uint32_t kSquares = 14, kRow = kSquares + 1;
+  TriangleMesh mesh = clothGrid(kSquares, 1, 0, 0);
+  const float phase = std::uniform_real_distribution<float>(0, 6)(random);
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += 3) {
+    float* const p = &mesh.vertices[i];
+    if (p[0] > 0.5F) p[0] = 1 - p[0];
+    p[2] = 0.05F * std::sin(9 * p[1] + phase) * std::sin(20 * p[0]);
+  }
+  const std::uint32_t count = kRow * kRow;
+  for (std::uint32_t v = random() % 12; v < count; v += 12) {
+    constexpr std::array<std::uint32_t, 6> kStepsAway = {1, 2, kRow, kRow + 1, kRow + 2, 2 * kRow};
+    const std::size_t other = (v + kStepsAway[random() % kStepsAway.size()]) % count;
+    std::copy_n(&mesh.vertices[3 * other], 3, &mesh.vertices[3 * std::size_t{v}]);
+  }
+  return mesh;
+}
+
+TEST_P(Adjacency, OfJoinedVerticesIsDecidedAlikeInEveryCycle) {
+  std::mt19937 random(7);
+  Scene scene = selfScene(clothWithJoinedVertices(random));
+  for (int cycle = 0; cycle < 12; ++cycle) {
+    const TriangleMesh mesh = clothWithJoinedVertices(random);
+    scene.setVertices(0, mesh.vertices.data(), mesh.vertexCount());
+    const AdjacentPairs adjacent = kBothAdjacent[cycle % 4 == 1 ? 0 : 1];
     const std::vector<TrianglePair> expected = oracleContacts(scene, adjacent);
     EXPECT_FALSE(expected.empty());
     EXPECT_TRUE(samePairs(expected, contacts(scene, withAdjacent(adjacent)))) << "cycle " << cycle;
