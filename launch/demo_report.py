@@ -27,7 +27,7 @@ def why_incomplete(message):
         reasons.append("%d of %d pairs sent" % (len(message.pairs), message.pair_count))
     if message.rejected_triangles:
         reasons.append("%d triangles rejected" % message.rejected_triangles)
-    if message.overlap < 1 or message.predicates == "fast":
+    if message.overlap < 1:
         reasons.append("the settings may lose contacts")
     if not reasons:
         return "no memory or no detection, see /diagnostics"

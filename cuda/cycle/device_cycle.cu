@@ -48,7 +48,6 @@ CycleShape DeviceCycle::shapeOf(const Options& options, int refinements) const {
   shape.swept = options.motion == Motion::kSwept;
   shape.adjacent = scene.anySelf() && options.adjacent == AdjacentPairs::kBeyondShared;
   shape.pads = shape.swept && scene.anyLengths().pads;
-  shape.roots = shape.swept && options.predicates != Predicates::kFast;
   shape.times = shape.swept && options.first_times;
   shape.fans = params[0].fans != 0;
   shape.leaves_few = params[0].leaves_few != 0;

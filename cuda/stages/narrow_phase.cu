@@ -23,12 +23,10 @@ constexpr unsigned kBlocksPerAsker = 64;
 // stay open, because they may be within the margin. Otherwise the sweep has decided what float32
 // can.
 template <bool kMargins>
-__device__ PartVerdict quickVerdictOf(const CycleArrays& c, const DeviceCandidate& candidate,
-                                      const TileEntry& a, const TileEntry& b) {
+__device__ PartVerdict quickVerdictOf(const DeviceCandidate& candidate, const TileEntry& a,
+                                      const TileEntry& b) {
   const PairFacts facts = unpackFacts(candidate.facts);
-  const Predicates predicates = c.params().predicates;
-  if (!kMargins && predicates == Predicates::kFast) return PartVerdict::kOpen;
-  const PartVerdict verdict = quickVerdict(a.posed, b.posed, facts, predicates);
+  const PartVerdict verdict = quickVerdict(a.posed, b.posed, facts);
   const bool may_be_near = kMargins && verdict == PartVerdict::kApart && !facts.shared.any;
   return may_be_near ? PartVerdict::kOpen : verdict;
 }
@@ -57,7 +55,7 @@ __global__ void __launch_bounds__(kThreads) quickKernel(CycleArrays c) {
       a = entry_a.triangle;
       b = entry_b.triangle;
       adjacent = sharedBitsOf(candidate) != 0;
-      verdict = quickVerdictOf<kMargins>(c, candidate, entry_a, entry_b);
+      verdict = quickVerdictOf<kMargins>(candidate, entry_a, entry_b);
     }
     reportOpen(c, verdict == PartVerdict::kOpen, adjacent, i);
     reportContacts(c, verdict == PartVerdict::kMeet, a, b, 0);
@@ -118,8 +116,8 @@ __global__ void __launch_bounds__(kThreads) fullKernel(CycleArrays c) {
       facts.margin_m = kMargins ? marginOf(c, entry_a, entry_b) : 0;
       // Pairs without shared vertices need no filters here: fullVerdict() begins with the same
       // ones.
-      const PartVerdict quick = first && facts.shared.any && state.mode != Predicates::kFast
-                                    ? quickVerdict(entry_a.posed, entry_b.posed, facts, state.mode)
+      const PartVerdict quick = first && facts.shared.any
+                                    ? quickVerdict(entry_a.posed, entry_b.posed, facts)
                                     : PartVerdict::kOpen;
       verdict = quick == PartVerdict::kOpen
                     ? fullVerdict(entry_a.posed, entry_b.posed, facts, state)

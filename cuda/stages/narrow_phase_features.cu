@@ -91,11 +91,11 @@ __device__ bool isLost(const Cubic<Real>& d) {
 }
 
 // One thread for each of contacts.second_list: marks the features that their boxes and the signs of
-// their cubics leave open; with kRoots, those whose cubic has one root for coarseRootKernel.
-template <bool kRoots>
+// their cubics leave open. If roots are looked for, those whose cubic has one root are marked for
+// coarseRootKernel.
 __global__ void __launch_bounds__(kFeatureThreads, 4) signsKernel(CycleArrays c) {
   followPrevious();
-  const bool by_roots = kRoots && looksForRoots(c);
+  const bool by_roots = looksForRoots(c);
   forEachByWarp(c, sweptCounters(c).featured, [&](Place k, bool there) {
     if (!there) return;
     const Place i = c.contacts.second_list[k];
@@ -109,49 +109,45 @@ __global__ void __launch_bounds__(kFeatureThreads, 4) signsKernel(CycleArrays c)
       const Cubic<float> d = coplanarity<float>(featureOf(a, b, f));
       if (d.sign() != 0) continue;
       left |= 1U << f;
-      if (kRoots && detail::hasOneRoot(d)) roots |= 1U << f;
+      if (detail::hasOneRoot(d)) roots |= 1U << f;
     }
     if (!by_roots) roots = 0;
     c.contacts.states[i].bits |= (left & ~roots) << kLeftAt | roots;
-    if (kRoots) c.contacts.candidates[i].facts = uncertainBits(left & ~roots);
+    c.contacts.candidates[i].facts = uncertainBits(left & ~roots);
   });
 }
 
 // Examines the features that signsKernel left, in float32. Pairs with open features are added to
-// first_list. If roots are looked for, features only have to meet in a short interval, and are left
-// to double.
+// first_list. If times are wanted, features only have to meet in a short interval, and are left to
+// double.
 __global__ void __launch_bounds__(kFeatureThreads, 4) featureKernel(CycleArrays c) {
   followPrevious();
   const CycleParams& params = c.params();
   const bool wants_time = params.first_times != 0;
-  const bool fast = params.predicates == Predicates::kFast;
-  HalvingLimits limits{wants_time, fast ? kMostPieces : 16};  // double continues
-  const bool coarse = wants_time && !fast;
-  if (coarse) limits.narrow = 1.0F / (1 << detail::kRootHalvings<float>);
-  const auto leaveOpen = [&c, fast](const FeatureTask& task, float low) {
+  HalvingLimits limits{wants_time, 16};  // double continues
+  if (wants_time) limits.narrow = 1.0F / (1 << detail::kRootHalvings<float>);
+  const auto leaveOpen = [&c](const FeatureTask& task) {
     SweptState& state = c.contacts.states[task.candidate];
     const std::uint32_t before = atomicOr(&state.bits, 1U << task.index);
-    if (fast) {
-      atomicMin(&state.open_low, __float_as_uint(low));
-    } else if ((before & kFeatureBits) == 0) {
+    if ((before & kFeatureBits) == 0) {
       c.contacts.first_list[Place(atomicAdd(&sweptCounters(c).left, 1U))] = task.candidate;
     }
   };
   halveFeatures<float>(
       c, FeatureSource(c, c.contacts.second_list, sweptCounters(c).featured, kLeftAt), limits,
       [&](const FeatureTask& task, const Cubic<float>& d) {
-        if (fast || !isLost(d)) return true;
-        leaveOpen(task, 0);
+        if (!isLost(d)) return true;
+        leaveOpen(task);
         return false;
       },
       [&](const FeatureTask& task, const FeatureVerdict& verdict) {
-        if (verdict.part == PartVerdict::kMeet && !coarse) addMeeting(c, task.candidate, verdict);
-        if (verdict.part == PartVerdict::kMeet && coarse) {
+        const bool meets = verdict.part == PartVerdict::kMeet;
+        if (meets && !wants_time) addMeeting(c, task.candidate, verdict);
+        if (meets && wants_time) {
           lowerHigh(c, task.candidate, verdict.high);
           if (verdict.high - verdict.low == limits.narrow) markCertain(c, task);
-          leaveOpen(task, verdict.low);
         }
-        if (verdict.part == PartVerdict::kOpen) leaveOpen(task, verdict.low);
+        if (verdict.part == PartVerdict::kOpen || (meets && wants_time)) leaveOpen(task);
       });
 }
 
@@ -241,11 +237,10 @@ __global__ void __launch_bounds__(kFeatureThreads) verdictKernel(CycleArrays c) 
 
 void launchNarrowPhaseFeatures(const CycleArrays& cycle, const CycleShape& shape,
                                cudaStream_t stream) {
-  launchList(shape.roots ? signsKernel<true> : signsKernel<false>, kFeatureThreads, cycle, shape,
-             stream);
-  if (shape.roots) launchCoarseRoots(cycle, shape, stream);
+  launchList(signsKernel, kFeatureThreads, cycle, shape, stream);
+  launchCoarseRoots(cycle, shape, stream);
   launchList(featureKernel, kFeatureThreads, cycle, shape, stream);
-  if (shape.roots && shape.times) launchFineRoots(cycle, shape, stream);
+  if (shape.times) launchFineRoots(cycle, shape, stream);
   launchList(doubleKernel, kFeatureThreads, cycle, shape, stream);
   launchList(integerKernel, kFeatureThreads, cycle, shape, stream);
   constexpr unsigned kVerdictBlocksEach = 3;  // of a multiprocessor

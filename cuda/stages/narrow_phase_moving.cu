@@ -64,13 +64,11 @@ __global__ void __launch_bounds__(kThreads) staticKernel(CycleArrays c) {
       const DeviceCandidate candidate = c.contacts.candidates[i];
       const MovingTriangle a = movingAt(c, candidate.a), b = movingAt(c, candidate.b);
       const bool still = isStill(a) && isStill(b);
-      const PartVerdict start =
-          quickIntersection(a.from, b.from, unpackSides(candidate.facts), params.predicates);
+      const PartVerdict start = quickIntersection(a.from, b.from, unpackSides(candidate.facts));
       PartVerdict end = PartVerdict::kApart;
       meets = start == PartVerdict::kMeet;
       if (!meets && !still) {
-        end = quickIntersection(a.to, b.to, unpackSides(candidate.facts >> kEndShift),
-                                params.predicates);
+        end = quickIntersection(a.to, b.to, unpackSides(candidate.facts >> kEndShift));
         if (end == PartVerdict::kMeet && params.first_times == 0) {
           meets = true;
           times.high = 1;

@@ -21,7 +21,6 @@ struct CycleShape {
   bool swept = false;       // swept motion: each launch works on both states
   bool adjacent = false;    // triangles that share vertices may be contacts
   bool pads = false;        // in swept motion: some body has a pad
-  bool roots = false;       // in swept motion: may look for features' roots at once
   bool times = false;       // in swept motion: first times are wanted
   bool fans = false;        // certified fans decide pairs that share vertices
   bool leaves_few = false;  // as in CycleParams::leaves_few
@@ -30,9 +29,9 @@ struct CycleShape {
 
   bool operator==(const CycleShape& o) const {
     return device == o.device && identify == o.identify && refinements == o.refinements &&
-           swept == o.swept && adjacent == o.adjacent && pads == o.pads && roots == o.roots &&
-           times == o.times && fans == o.fans && leaves_few == o.leaves_few &&
-           margins == o.margins && nearest == o.nearest;
+           swept == o.swept && adjacent == o.adjacent && pads == o.pads && times == o.times &&
+           fans == o.fans && leaves_few == o.leaves_few && margins == o.margins &&
+           nearest == o.nearest;
   }
 };
 

@@ -14,9 +14,7 @@ std::string threadsProblem(int threads) {
 
 }  // namespace
 
-bool isGuaranteed(const Options& options) {
-  return options.overlap == 1 && options.predicates != Predicates::kFast;
-}
+bool isGuaranteed(const Options& options) { return options.overlap == 1; }
 
 std::vector<std::string> problems(const Options& options) {
   std::vector<std::string> found;
@@ -65,15 +63,14 @@ const char* toString(AdjacentPairs adjacent) {
 }
 
 const char* toString(Predicates predicates) {
-  constexpr const char* kNames[] = {"exact", "conservative", "fast"};
-  return kNames[static_cast<std::size_t>(predicates)];
+  return predicates == Predicates::kConservative ? "conservative" : "exact";
 }
 
 Predicates toPredicates(const std::string& name) {
-  for (const Predicates p : {Predicates::kExact, Predicates::kConservative, Predicates::kFast}) {
+  for (const Predicates p : {Predicates::kExact, Predicates::kConservative}) {
     if (name == toString(p)) return p;
   }
-  throw std::invalid_argument("no predicates are called '" + name + "'");
+  throw std::invalid_argument("predicates '" + name + "' is none of exact, conservative");
 }
 
 }  // namespace deformable_contact_monitor

@@ -26,7 +26,7 @@ struct Options {
   float overlap = 1;
 
   // The following settings change only the time of a cycle, and never its result, while overlap is
-  // 1 and predicates are exact. With other predicates they, and earlier cycles, decide which pairs
+  // 1 and predicates are exact. With conservative ones they, and earlier cycles, decide which pairs
   // remain undecided.
   int clusters = 0;        // 0: chosen from the scene; at most kMaxClusters
   float fuzzifier = 2;     // [1.05, 4]
@@ -79,7 +79,7 @@ DCM_EXPORT const char* toString(AdjacentPairs adjacent);
 // Returns "instant" or "swept".
 DCM_EXPORT const char* toString(Motion motion);
 
-// Returns "exact", "conservative" or "fast".
+// Returns "exact" or "conservative".
 DCM_EXPORT const char* toString(Predicates predicates);
 // Returns the predicates of that name. Throws std::invalid_argument for any other name.
 DCM_EXPORT Predicates toPredicates(const std::string& name);

@@ -13,7 +13,6 @@ enum class AdjacentPairs {
 enum class Predicates {
   kExact,         // the pair set equals the definition for every finite float32 input
   kConservative,  // a pair that double arithmetic cannot decide counts as a contact
-  kFast,          // float32 only: may be wrong in both directions
 };
 
 }  // namespace deformable_contact_monitor

@@ -54,7 +54,7 @@ LiveParameters fromConfig(const ContactMonitorConfig& config, const LiveParamete
   try {
     live.predicates = toPredicates(config.predicates);
   } catch (const std::invalid_argument& error) {
-    rejected->push_back(std::string("predicates: ") + error.what());
+    rejected->emplace_back(error.what());
   }
   if (!has_robot && live.pair_classes.needRobot()) {
     rejected->push_back(

@@ -33,8 +33,7 @@ motion: 'instant': contacts at one moment; 'swept': those at some time of the st
 first_times: whether results have the time of each contact's begin; swept only.
 adjacent_pairs: triangles of one body that share a vertex: 'beyond_shared' reports those that meet
     beyond what they share, 'skip' none.
-predicates: 'exact'; 'conservative' (what double arithmetic cannot decide counts as contact);
-    'fast' (float32: may err either way).
+predicates: 'exact', or 'conservative' (what double arithmetic cannot decide counts as contact).
 overlap: share [0, 1] of a triangle that decides its clusters; below 1, contacts are lost.
 clusters (0: from the scene), fuzzifier [1.05, 4], iterations [0, 100], refresh_period (>= 1):
     speed alone while overlap is 1 and predicates are exact.

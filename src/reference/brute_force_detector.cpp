@@ -156,7 +156,7 @@ class BruteForceDetector : public Detector {
     requireHostVertices(scene, backend());
     const Stopwatch watch;
     const CycleLimit limit(options.limits);
-    result_.begin(scene, options, options.predicates != Predicates::kFast);
+    result_.begin(scene, options, true);
     const PartTable parts(scene);
     parts_ = &parts;
     if (!limit.over()) find(scene, options, limit);

@@ -160,11 +160,9 @@ int run(const char* from, const char* to) {
   printVerdicts("verdicts, sharing nothing", disjoint, beyond, false, Predicates::kExact);
   printVerdicts("with times", disjoint, beyond, true, Predicates::kExact);
   printVerdicts("conservative", disjoint, beyond, false, Predicates::kConservative);
-  printVerdicts("fast", disjoint, beyond, false, Predicates::kFast);
   printVerdicts("verdicts, beyond shared vertices", sharing, beyond, false, Predicates::kExact);
   printVerdicts("with times", sharing, beyond, true, Predicates::kExact);
   printVerdicts("conservative", sharing, beyond, false, Predicates::kConservative);
-  printVerdicts("fast", sharing, beyond, false, Predicates::kFast);
   for (const bool wants_time : {false, true}) printScreen(disjoint, wants_time);
   printFilters(std::move(disjoint));
   return 0;

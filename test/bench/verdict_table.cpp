@@ -161,7 +161,7 @@ bool hasDevice() {
 std::vector<Method> allMethods() {
   std::vector<Method> methods;
   const bool with_device = hasDevice();
-  for (const Predicates mode : {Predicates::kExact, Predicates::kConservative, Predicates::kFast}) {
+  for (const Predicates mode : {Predicates::kExact, Predicates::kConservative}) {
     methods.push_back({toString(mode), [mode](const Pairs& p) { return onHost(p, mode); }});
     if (!with_device) continue;
     methods.push_back({std::string(toString(mode)) + ", cuda",

@@ -107,7 +107,7 @@ TEST_P(Margin, IsClosedAndTheLargerOfTheTwo) {
 
 // Upright triangles and the segments of a rope, well above a cloth whose plane they cross, and
 // whose planes the cloth crosses.
-TEST_P(Margin, NearPairsAreTheSameByAnyPredicates) {
+TEST_P(Margin, NearPairsAreTheSameByConservativePredicates) {
   std::vector<Triangle> upright, rope;
   for (int i = 0; i < 6; ++i) {
     const float x = 0.1F + 0.13F * static_cast<float>(i);
@@ -129,13 +129,11 @@ TEST_P(Margin, NearPairsAreTheSameByAnyPredicates) {
     const DetectionResult exact = detector_->detect(scene, Options());
     EXPECT_EQ(exact.contacts.empty(), margin == 0);
     for (const float separation : exact.separations_m) EXPECT_GT(separation, 0.1F);
-    for (const Predicates predicates : {Predicates::kConservative, Predicates::kFast}) {
-      Options options;
-      options.predicates = predicates;
-      const DetectionResult& result = detector_->detect(scene, options);
-      EXPECT_TRUE(samePairs(exact.contacts, result.contacts)) << toString(predicates) << margin;
-      EXPECT_EQ(exact.separations_m, result.separations_m) << toString(predicates) << margin;
-    }
+    Options options;
+    options.predicates = Predicates::kConservative;
+    const DetectionResult& result = detector_->detect(scene, options);
+    EXPECT_TRUE(samePairs(exact.contacts, result.contacts)) << margin;
+    EXPECT_EQ(exact.separations_m, result.separations_m) << margin;
   }
 }
 

@@ -214,19 +214,17 @@ TEST_P(NearestSuite, IsOfThePresentInSweptMotion) {
   EXPECT_GT(swept_through, 10U);
 }
 
-// Conservative and fast predicates list other contacts, or lose some; distances stay exact.
+// Conservative predicates list more contacts, and an overlap of 0 loses some; distances stay exact.
 TEST_P(NearestSuite, IsExactWhateverThePredicatesAndTheOverlap) {
   for (unsigned seed = 0; seed < 60; ++seed) {
     SCOPED_TRACE(seed);
     Scene scene = randomScene(seed);
     for (BodyId id = 0; id < scene.bodyCount(); ++id) scene.setMargin(id, 1);
     const std::vector<NearestPair> expected = exact_->detect(scene, withNearest()).nearest;
-    for (const Predicates predicates : {Predicates::kConservative, Predicates::kFast}) {
-      Options options = withNearest();
-      options.predicates = predicates;
-      options.overlap = seed % 2 == 0 ? 1 : 0;
-      EXPECT_EQ(expected, detector_->detect(scene, options).nearest);
-    }
+    Options options = withNearest();
+    options.predicates = Predicates::kConservative;
+    options.overlap = seed % 2 == 0 ? 1 : 0;
+    EXPECT_EQ(expected, detector_->detect(scene, options).nearest);
   }
 }
 

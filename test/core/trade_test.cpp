@@ -78,14 +78,28 @@ TEST_P(Trade, OverlapZeroLosesPairsAndSaysSo) {
   EXPECT_EQ(complete.size(), before);
 }
 
-TEST_P(Trade, FastPredicatesAreNotGuaranteed) {
+TEST_P(Trade, OverlapAloneTakesTheGuarantee) {
   const Scene scene = pairScene(clothGrid(10, 1, 0, 0.1F), clothGrid(10, 1, 0, -0.1F));
   Options options;
-  for (const Predicates predicates :
-       {Predicates::kExact, Predicates::kConservative, Predicates::kFast}) {
-    options.predicates = predicates;
-    EXPECT_EQ(predicates != Predicates::kFast, detector_->detect(scene, options).guaranteed)
-        << toString(predicates);
+  for (const Predicates predicates : {Predicates::kExact, Predicates::kConservative}) {
+    for (const float overlap : {0.5F, 1.0F}) {
+      options.predicates = predicates;
+      options.overlap = overlap;
+      EXPECT_EQ(overlap == 1, detector_->detect(scene, options).guaranteed)
+          << toString(predicates) << ", overlap " << overlap;
+    }
+  }
+}
+
+TEST(Predicates, AreFoundByTheirNames) {
+  for (const Predicates predicates : {Predicates::kExact, Predicates::kConservative}) {
+    EXPECT_EQ(predicates, toPredicates(toString(predicates)));
+  }
+  try {
+    toPredicates("fast");
+    FAIL() << "accepted";
+  } catch (const std::invalid_argument& refusal) {
+    EXPECT_STREQ("predicates 'fast' is none of exact, conservative", refusal.what());
   }
 }
 

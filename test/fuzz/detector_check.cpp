@@ -67,7 +67,7 @@ const DetectionResult& detectChecked(Detector* detector, const Scene& scene,
   const DetectionResult& found = detector->detect(scene, options);
   requireInScene(scene, found);
   requireThat(found.guaranteed == isGuaranteed(options), "a guarantee that does not hold");
-  if (scene.triangleCount() > kSmall || options.predicates == Predicates::kFast) return found;
+  if (scene.triangleCount() > kSmall) return found;
   Options exact;
   exact.adjacent = options.adjacent;
   compare(found, makeBruteForceDetector()->detect(scene, exact), options);

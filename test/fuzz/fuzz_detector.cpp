@@ -56,9 +56,7 @@ float marginFrom(ByteSource* source) {
 Options optionsFrom(ByteSource* source) {
   Options options;
   options.adjacent = source->flag() ? AdjacentPairs::kSkip : AdjacentPairs::kBeyondShared;
-  constexpr Predicates kPredicates[] = {Predicates::kExact, Predicates::kExact,
-                                        Predicates::kConservative, Predicates::kFast};
-  options.predicates = kPredicates[source->below(4)];
+  options.predicates = source->below(4) < 2 ? Predicates::kExact : Predicates::kConservative;
   options.clusters = static_cast<int>(source->below(40));
   options.iterations = static_cast<int>(source->below(5));
   options.refresh_period = 1 + static_cast<int>(source->below(3));

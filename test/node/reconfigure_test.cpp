@@ -127,7 +127,7 @@ TEST(Reconfigure, WhatCannotBeUsedStaysAsItIs) {
   EXPECT_EQ(live.predicates, Predicates::kConservative);
   EXPECT_EQ(live.clusters, 12) << "the others go on";
   EXPECT_EQ(rejected, (Strings{"margin_m must be finite", "overlap must be finite",
-                               "predicates: no predicates are called 'sloppy'"}));
+                               "predicates 'sloppy' is none of exact, conservative"}));
 }
 
 TEST(Reconfigure, AClassOfTheRobotNeedsTheRobotThatWasReadAtStart) {

@@ -227,7 +227,9 @@ class Refusals(unittest.TestCase):
                      "(0: all)", Detector, overlap=2, threads=-1)
         self.refused("refresh_period is 0, must be >= 1", Detector, refresh_period=0)
         self.refused("backend 'gpu' is none of auto, cuda, cpu", Detector, "gpu")
-        self.refused("no predicates are called 'sure'", Detector, predicates="sure")
+        for name in "sure", "fast":
+            self.refused(f"predicates '{name}' is none of exact, conservative", Detector,
+                         predicates=name)
         self.refused("adjacent_pairs 'none' is none of beyond_shared, skip", Detector,
                      adjacent_pairs="none")
         self.refused("device is -1, must be in [0, 1023]", Detector, device=-1)

@@ -246,8 +246,8 @@ void PairFilter<MovingTriangle>::filter(
     const std::vector<PreparedTriangle<MovingTriangle>>& triangles, BoxPair* pairs,
     std::size_t count, FilteredPairs<MovingTriangle>& filtered) {
   std::vector<Candidate<MovingTriangle>>& candidates = filtered.candidates;
-  // Only exact mode uses the vector filters: in the other modes a pair that is left open counts as
-  // contact, so that all pairs must get the same verdict.
+  // Only exact mode uses the vector filters: in conservative mode a pair that is left open counts
+  // as contact, so that all pairs must get the same verdict.
   const bool exact = input_.options.predicates == Predicates::kExact;
   separate_.clear();
   for (std::size_t i = 0; i < count; ++i) {

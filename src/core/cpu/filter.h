@@ -4,8 +4,8 @@
 // In discrete detection, plane filters come first: a pair is apart if one triangle lies on one side
 // of the other's plane. Pairs that cross each other's planes then go through two determinants
 // (lane_crossing.h). In continuous detection see moving_pair_filter.h. What the filters say is
-// certain; what they leave open becomes a candidate of the narrow phase. In other modes than
-// Predicates::kExact, every pair that is not certainly apart becomes a candidate.
+// certain; what they leave open becomes a candidate of the narrow phase. With
+// Predicates::kConservative, every pair that is not certainly apart becomes a candidate.
 #pragma once
 
 #include <array>

@@ -132,10 +132,8 @@ DCM_HD inline int beyondEnd(const Point& p, const Point& q, const Point& a) {
 template <class Point>
 DCM_HD inline bool meetBeyondEdge(const Point& p, const Point& q, const Point& a, const Point& b,
                                   PredicateState& state) {
-  if (state.mode != Predicates::kFast) {
-    const int side = orient3dFiltered(p, q, a, b);
-    if (side == 1 || side == -1) return false;  // not coplanar
-  }
+  const int side = orient3dFiltered(p, q, a, b);
+  if (side == 1 || side == -1) return false;  // not coplanar
   const int axis = projectionAxis(p, q, a, state);
   if (axis < 0) {
     if (projectionAxis(p, q, b, state) >= 0) return false;

@@ -151,16 +151,10 @@ DCM_HD inline PartVerdict certainVerdict(const Triangle& a, const Triangle& b,
 
 // Decides a candidate as far as the floating-point filters alone can. For triangles that share
 // vertices it decides whether they meet beyond them. kApart says nothing about margins.
-DCM_HD inline PartVerdict quickVerdict(const Triangle& a, const Triangle& b, const PairFacts& facts,
-                                       Predicates mode) {
-  if (mode == Predicates::kFast) {
-    // A pair with a margin is a candidate also if a plane parts its triangles.
-    const bool parted = !facts.shared.any && (detail::strictlyOnOneSide(facts.sides.a) ||
-                                              detail::strictlyOnOneSide(facts.sides.b));
-    return parted ? PartVerdict::kApart : certainVerdict(a, b, facts);
-  }
+DCM_HD inline PartVerdict quickVerdict(const Triangle& a, const Triangle& b,
+                                       const PairFacts& facts) {
   if (!facts.shared.any) {
-    const PartVerdict verdict = quickIntersection(a, b, facts.sides, mode);
+    const PartVerdict verdict = quickIntersection(a, b, facts.sides);
     return verdict != PartVerdict::kOpen ? verdict : touchVerdict(a, b);
   }
   if (certainlyApartInProjection(a, b, facts.shared)) {
@@ -186,7 +180,7 @@ DCM_HD inline Verdict fullVerdict(const Triangle& a, const Triangle& b, const Pa
 // Decides any candidate: the filters first, then exact arithmetic for what they leave open.
 DCM_HD inline Verdict candidateVerdict(const Triangle& a, const Triangle& b, const PairFacts& facts,
                                        PredicateState& state) {
-  const PartVerdict quick = quickVerdict(a, b, facts, state.mode);
+  const PartVerdict quick = quickVerdict(a, b, facts);
   if (quick == PartVerdict::kOpen) return fullVerdict(a, b, facts, state);
   if (quick == PartVerdict::kMeet) return {true, 0};
   return facts.shared.any ? Verdict{} : nearVerdict(a, b, facts.margin_m);

@@ -269,19 +269,10 @@ DCM_HD inline bool haveEqual(const Vec3f& b, const Vec3f& c, const Vec3f& d) {
   return b == c || b == d || c == d;
 }
 
-// Returns the sign in float32, without any bound on its error.
-DCM_HD inline int orient3dFast(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d) {
-  if (haveEqual(b, c, d)) return 0;
-  const Vec3f u = b - a, v = c - a, w = d - a;
-  return signOf(u.x * (v.y * w.z - v.z * w.y) + u.y * (v.z * w.x - v.x * w.z) +
-                u.z * (v.x * w.y - v.y * w.x));
-}
-
 // Returns the sign of det[b-a; c-a; d-a], as state.mode asks for. It is positive iff d sees a, b, c
 // counterclockwise from above, that is, iff d lies on the side to which (b-a) x (c-a) points.
 DCM_HD DCM_RARE inline int orient3d(const Vec3f& a, const Vec3f& b, const Vec3f& c, const Vec3f& d,
                                     PredicateState& state) {
-  if (state.mode == Predicates::kFast) return orient3dFast(a, b, c, d);
   const int filtered = orient3dFiltered(a, b, c, d);
   if (filtered != kUncertain) return filtered;
   if (state.mode == Predicates::kConservative) {
@@ -375,22 +366,17 @@ DCM_HD inline int orient2dFiltered(const Vec3f& a, const Vec3f& b, const Vec3f& 
 // for.
 DCM_HD DCM_RARE inline int orient2d(const Vec3f& a, const Vec3f& b, const Vec3f& c, int axis,
                                     PredicateState& state) {
-  if (state.mode != Predicates::kFast) {
-    const int filtered = orient2dFiltered(a, b, c, axis);
-    if (filtered != kUncertain) return filtered;
-    if (state.mode == Predicates::kConservative) {
-      if (!(b == c)) state.undecided = true;
-      return 0;
-    }
-    ++state.exact;
+  const int filtered = orient2dFiltered(a, b, c, axis);
+  if (filtered != kUncertain) return filtered;
+  if (state.mode == Predicates::kConservative) {
+    if (!(b == c)) state.undecided = true;
+    return 0;
   }
+  ++state.exact;
   float ax, ay, bx, by, cx, cy;
   projected(a, axis, ax, ay);
   projected(b, axis, bx, by);
   projected(c, axis, cx, cy);
-  if (state.mode == Predicates::kFast) {
-    return signOf((bx - ax) * (cy - ay) - (by - ay) * (cx - ax));
-  }
   return orient2dExact(ax, ay, bx, by, cx, cy);
 }
 

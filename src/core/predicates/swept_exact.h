@@ -41,15 +41,9 @@ SweptVerdict sweptVerdict(const MovingTriangle& a, const MovingTriangle& b,
                           const SharedVertices& shared, AdjacentPairs adjacent, bool wants_time,
                           PredicateState& state) {
   if (shared.any && adjacent == AdjacentPairs::kSkip) return {};
-  SweptVerdict verdict;
-  const bool fast = state.mode == Predicates::kFast;
-  if (shared.any) {
-    verdict = fast ? quickSweptBeyondShared<float, kFilters>(a, b, shared, wants_time, state)
-                   : quickSweptBeyondShared<double, kFilters>(a, b, shared, wants_time, state);
-  } else {
-    verdict = fast ? quickSweptVerdict<float, kFilters>(a, b, wants_time, state)
-                   : quickSweptVerdict<double, kFilters>(a, b, wants_time, state);
-  }
+  const SweptVerdict verdict =
+      shared.any ? quickSweptBeyondShared<double, kFilters>(a, b, shared, wants_time, state)
+                 : quickSweptVerdict<double, kFilters>(a, b, wants_time, state);
   if (verdict.part != PartVerdict::kOpen) return verdict;
   return decideOpen(a, b, shared, wants_time, verdict, state);
 }

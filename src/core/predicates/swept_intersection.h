@@ -31,9 +31,8 @@ enum SweptFilters : unsigned {
 // or kWholePair. The times are those of the features that are decided; first_high is 2 if none of
 // these meets.
 //
-// In conservative and fast mode no pair is open: if double (fast: float) arithmetic cannot decide,
-// the pair counts as contact, state.undecided is set, and a contact in [first_low, first_high] is
-// not certain.
+// In conservative mode no pair is open: if floating point cannot decide, the pair counts as
+// contact, state.undecided is set, and a contact in [first_low, first_high] is not certain.
 struct SweptVerdict {
   PartVerdict part = PartVerdict::kApart;
   float first_low = 0, first_high = 0;
@@ -160,9 +159,9 @@ DCM_HD inline SweptVerdict disjointVerdict(const MovingTriangle& a, const Moving
     sides_a.atEnd(end.a);
     sides_b.atEnd(end.b);
   }
-  const PartVerdict quick_start = quickIntersection(a.from, b.from, start, state.mode);
+  const PartVerdict quick_start = quickIntersection(a.from, b.from, start);
   if (quick_start == PartVerdict::kMeet) return meetsAt(0, 0);
-  const PartVerdict quick_end = quickIntersection(a.to, b.to, end, state.mode);
+  const PartVerdict quick_end = quickIntersection(a.to, b.to, end);
   if ((kFilters & kFixedDirections) != 0 && quick_end != PartVerdict::kMeet &&
       FixedDirections<Real>(a, b).areApart()) {
     return {};
@@ -180,8 +179,8 @@ DCM_HD inline SweptVerdict disjointVerdict(const MovingTriangle& a, const Moving
 }  // namespace detail
 
 // Decides two triangles with finite vertices that share none. If they do not move, it returns the
-// static verdict. Real is double; or float, on devices where double is slow and in fast mode. Times
-// are right to 2^-20.
+// static verdict. Real is double; or float, on devices where double is slow. Times are right to
+// 2^-20.
 template <class Real, unsigned kFilters = kAllSweptFilters>
 DCM_HD inline SweptVerdict quickSweptVerdict(const MovingTriangle& a, const MovingTriangle& b,
                                              bool wants_time, PredicateState& state) {

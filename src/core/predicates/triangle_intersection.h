@@ -99,9 +99,7 @@ DCM_HD inline PartVerdict generalVerdict(const Triangle& a, const Triangle& b, K
 }  // namespace detail
 
 // The usual cases, by the floating-point filters alone.
-DCM_HD inline PartVerdict quickIntersection(const Triangle& a, const Triangle& b, KnownSides side,
-                                            Predicates mode) {
-  if (mode == Predicates::kFast) return detail::generalVerdict(a, b, side, orient3dFast);
+DCM_HD inline PartVerdict quickIntersection(const Triangle& a, const Triangle& b, KnownSides side) {
   return detail::generalVerdict(a, b, side, orient3dFiltered);
 }
 
@@ -206,7 +204,7 @@ DCM_HD DCM_RARE inline bool robustIntersection(const Triangle& a, const Triangle
 // Returns whether two triangles with finite vertices intersect, as closed sets.
 DCM_HD inline bool trianglesIntersect(const Triangle& a, const Triangle& b, const KnownSides& side,
                                       PredicateState& state) {
-  const PartVerdict quick = quickIntersection(a, b, side, state.mode);
+  const PartVerdict quick = quickIntersection(a, b, side);
   if (quick != PartVerdict::kOpen) return quick == PartVerdict::kMeet;
   return robustIntersection(a, b, side, state);
 }

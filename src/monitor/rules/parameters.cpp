@@ -235,7 +235,7 @@ void readDetector(ParameterReader* reader, MonitorParameters* p) {
   o.adjacent =
       static_cast<AdjacentPairs>(reader->choice("adjacent_pairs", {"beyond_shared", "skip"}, 0));
   o.predicates =
-      static_cast<Predicates>(reader->choice("predicates", {"exact", "conservative", "fast"}, 0));
+      static_cast<Predicates>(reader->choice("predicates", {"exact", "conservative"}, 0));
   o.overlap = static_cast<float>(reader->number("overlap", o.overlap, 0, 1));
   o.fuzzifier = static_cast<float>(reader->number("fuzzifier", o.fuzzifier, 1.05, 4));
   o.clusters = reader->integer("clusters", o.clusters, -kAny, kAny);

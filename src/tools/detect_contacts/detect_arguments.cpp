@@ -153,7 +153,7 @@ bool parseArguments(int argc, char** argv, DetectArguments* arguments) {
            "Memory for lists of contacts, and of candidates on CUDA, in MiB",
            inRange<std::uint64_t>(1, 1 << 20));
   line.add("--predicates", &predicates, "How sure each verdict is",
-           oneOf({"exact", "conservative", "fast"}));
+           oneOf({"exact", "conservative"}));
   line.add("--clusters", &clusters, "Number of clusters, or auto");
   if (!line.parse(argc, argv)) return false;
 

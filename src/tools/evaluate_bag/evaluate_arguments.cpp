@@ -33,7 +33,7 @@ bool parseArguments(int argc, char** argv, EvaluateArguments* arguments) {
   line.addList("--backends", &arguments->backends,
                "Backends to run and to compare as sets of pairs; each", oneOf(backendNames()));
   line.addList("--predicates", &arguments->predicates, "Predicates to run with each backend; each",
-               oneOf({"exact", "conservative", "fast"}));
+               oneOf({"exact", "conservative"}));
   line.addList("--overlaps", &arguments->overlaps, "Overlaps to run with each backend; each",
                inRange(0.0F, 1.0F));
   line.add("--threads", &arguments->threads,

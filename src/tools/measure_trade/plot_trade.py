@@ -26,7 +26,7 @@ except ImportError:
 
 BACKENDS = {"cpu": "#0072b2", "cuda": "#009e73"}
 STYLES = {"cpu": "o-", "cuda": "^--"}
-PREDICATES = {"exact": "o", "conservative": "s", "fast": "x"}
+PREDICATES = {"exact": "o", "conservative": "s"}
 WIDTH, HEIGHT = 3.2, 2.5  # of a panel [inches]
 USUAL = {"fuzzifier": "2", "iterations": "1", "refresh_period": "1"}
 

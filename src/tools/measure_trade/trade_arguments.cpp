@@ -52,7 +52,7 @@ void addGrid(CommandLine* line, TradeGrid* grid, std::vector<std::string>* predi
   line->addList("--backends", &grid->backends, "Backends to measure; each", oneOf({"cpu", "cuda"}));
   line->addList("--overlaps", &grid->overlaps, "Overlaps to measure; each in [0, 1]");
   line->addList("--predicates", predicates, "Predicates to measure; each",
-                oneOf({"exact", "conservative", "fast"}));
+                oneOf({"exact", "conservative"}));
   line->addList("--clusters", &grid->clusters,
                 "Numbers of clusters to measure; 0: chosen from the scene");
   line->addList("--fuzzifiers", &grid->fuzzifiers, "Fuzzifiers to measure; each in [1.05, 4]");
@@ -224,7 +224,7 @@ bool parseArguments(int argc, char** argv, TradeArguments* arguments) {
   CommandLine line("measure_trade", kDescription, kFooter);
   arguments->base.threads = 1;
   TradeGrid& grid = arguments->grid;
-  std::vector<std::string> predicates = {"exact", "conservative", "fast"};
+  std::vector<std::string> predicates = {"exact", "conservative"};
   addScene(&line, arguments);
   addGrid(&line, &grid, &predicates);
   addRun(&line, arguments);

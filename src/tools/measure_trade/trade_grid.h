@@ -21,8 +21,7 @@ struct Setting {
 struct TradeGrid {
   std::vector<std::string> backends = {"cpu"};
   std::vector<float> overlaps = {0, 0.25F, 0.5F, 0.75F, 1};
-  std::vector<Predicates> predicates = {Predicates::kExact, Predicates::kConservative,
-                                        Predicates::kFast};
+  std::vector<Predicates> predicates = {Predicates::kExact, Predicates::kConservative};
   std::vector<int> clusters = {0, 16, 64, 256, 1024};
   std::vector<float> fuzzifiers = {2, 1.5F, 3};
   std::vector<int> iterations = {1, 0, 3};

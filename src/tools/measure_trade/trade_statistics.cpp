@@ -137,10 +137,10 @@ std::vector<bool> paretoFront(const std::vector<Worth>& settings) {
   return front;
 }
 
-// The steps of 2 between predicates are larger than any overlap, which is at most 1.
+// The step between predicates is larger than any overlap, which is at most 1.
 double strictness(const Options& options) {
-  constexpr double kSteps[] = {4, 2, 0};  // kExact, kConservative, kFast
-  return kSteps[static_cast<std::size_t>(options.predicates)] + double{options.overlap};
+  constexpr double kStep = 2;
+  return (options.predicates == Predicates::kExact ? kStep : 0) + double{options.overlap};
 }
 
 // The figure itself need not be one of the repeats' figures.

@@ -90,8 +90,7 @@ struct Worth {
   double strictness = 0;                     // strictness() of its options
 };
 
-// Returns how exact a setting is by design: by predicates (exact, conservative, fast), then by
-// overlap.
+// Returns how exact a setting is by design: by predicates (exact, conservative), then by overlap.
 double strictness(const Options& options);
 
 // Return true if the medians, or the 95th percentiles, of two settings cannot be told apart because

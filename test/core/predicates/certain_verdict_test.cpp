@@ -278,8 +278,7 @@ TEST(Modes, WhatIsClearlyApartTouchesInNone) {
     const double apart_m = trianglesIntersect(a, b, exact) ? 0 : separation(a, b);
     if (apart_m < 0.01) continue;
     ++checked[kind];
-    for (const Predicates mode :
-         {Predicates::kExact, Predicates::kConservative, Predicates::kFast}) {
+    for (const Predicates mode : {Predicates::kExact, Predicates::kConservative}) {
       for (const float margin_m : {0.0F, 0.375F, 4.0F}) {
         PredicateState state{mode};
         const Verdict verdict =

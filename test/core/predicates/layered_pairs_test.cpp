@@ -157,7 +157,7 @@ struct Decided {
     }
     const PartVerdict in_float = certainVerdict(a, b, facts);
     certain += in_float != PartVerdict::kOpen;
-    for (const PartVerdict part : {in_float, quickVerdict(a, b, facts, Predicates::kExact)}) {
+    for (const PartVerdict part : {in_float, quickVerdict(a, b, facts)}) {
       ASSERT_TRUE(part == PartVerdict::kOpen || (part == PartVerdict::kMeet) == expected);
     }
     PredicateState state;
@@ -166,10 +166,6 @@ struct Decided {
     conservative.mode = Predicates::kConservative;
     ASSERT_TRUE(fullVerdict(a, b, facts, conservative).contact || !expected);
     ASSERT_TRUE(candidateVerdict(a, b, facts, conservative).contact || !expected);
-    PredicateState fast;
-    fast.mode = Predicates::kFast;
-    ASSERT_TRUE(in_float == PartVerdict::kOpen ||
-                candidateVerdict(a, b, facts, fast).contact == expected);
   }
 };
 

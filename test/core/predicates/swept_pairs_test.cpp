@@ -179,8 +179,7 @@ TEST_P(SweptPairs, ContainTheStaticOnesAndZeroMotionEqualsThem) {
     for (const bool end : {false, true}) {
       const Triangle &a = end ? pair.a.to : pair.a.from, &b = end ? pair.b.to : pair.b.from;
       const MovingPair still{{a, a}, {b, b}};
-      for (const Predicates mode :
-           {Predicates::kExact, Predicates::kConservative, Predicates::kFast}) {
+      for (const Predicates mode : {Predicates::kExact, Predicates::kConservative}) {
         PairFacts facts;
         facts.shared = sharedVertices(a, b);
         PredicateState state;

@@ -141,7 +141,7 @@ TEST_F(ChangesTest, ANewMarginAndKnobsHoldFromTheNextCycleOn) {
   live.margin_m = 0.5;
   live.near_pairs = true;
   live.marker_rate_hz = 3;
-  live.predicates = Predicates::kFast;
+  live.predicates = Predicates::kConservative;
   live.overlap = 0.25;
   live.clusters = 7;
   live.iterations = 2;
@@ -155,7 +155,7 @@ TEST_F(ChangesTest, ANewMarginAndKnobsHoldFromTheNextCycleOn) {
   give(0, 50.375);
   EXPECT_EQ(step(), (Lines{"markers at 3", "cycle 50.375: *cloth@50.375 cable@50"}));
   EXPECT_EQ(detector_.margins_m, (std::vector<float>{0, 0.5F})) << "the cloth has its own";
-  EXPECT_EQ(detector_.options.predicates, Predicates::kFast);
+  EXPECT_EQ(detector_.options.predicates, Predicates::kConservative);
   EXPECT_TRUE(detector_.options.near_pairs);
   EXPECT_EQ(detector_.options.overlap, 0.25F);
   EXPECT_EQ(detector_.options.clusters, 7);

@@ -247,7 +247,7 @@ TEST(Parameters, ValuesArrive) {
   tree["devices"] = list(0, 3);
   tree["memory_limit_mib"] = 8192;
   tree["max_mesh_mib"] = 4095;
-  tree["predicates"] = "fast";
+  tree["predicates"] = "conservative";
   tree["adjacent_pairs"] = "skip";
   tree["links"] = list("hand", "arm");
   tree["max_contacts"] = 7;
@@ -275,7 +275,7 @@ TEST(Parameters, ValuesArrive) {
   EXPECT_EQ(p.cuda.devices, (std::vector<int>{0, 3}));
   EXPECT_EQ(p.cuda.memory_limit_bytes, std::uint64_t{8192} << 20);
   EXPECT_EQ(p.max_mesh_bytes, std::size_t{4095} << 20);
-  EXPECT_EQ(p.detector.predicates, Predicates::kFast);
+  EXPECT_EQ(p.detector.predicates, Predicates::kConservative);
   EXPECT_EQ(p.detector.adjacent, AdjacentPairs::kSkip);
   EXPECT_EQ(p.max_contacts, 7U);
   EXPECT_TRUE(p.containment);
@@ -309,6 +309,7 @@ TEST(Parameters, AllProblemsAreListedTogether) {
   tree["devices"] = list(0, 1024, "first");
   tree["memory_limit_mib"] = 0;
   tree["max_mesh_mib"] = 4096;
+  tree["predicates"] = "fast";
   tree["overlap"] = 1.5;
   tree["iterations"] = 101;
   tree["debounce_on_cycles"] = 0;
@@ -323,6 +324,7 @@ TEST(Parameters, AllProblemsAreListedTogether) {
                            "~tf_timeout_s is nan",
                            "~max_mesh_age_s is inf",
                            "~backend is 'gpu', must be one of: auto, cuda, cpu",
+                           "~predicates is 'fast', must be one of: exact, conservative",
                            "~overlap is 1.5",
                            "~device is -1",
                            "~devices[1] is 1024",

@@ -56,8 +56,7 @@ class NoFrames : public FrameSource {
 TEST(TradeConfig, TheNodesParserReadsEverySettingBack) {
   std::size_t read = 0;
   for (const char* backend : {"cpu", "cuda"}) {
-    for (const Predicates predicates :
-         {Predicates::kExact, Predicates::kConservative, Predicates::kFast}) {
+    for (const Predicates predicates : {Predicates::kExact, Predicates::kConservative}) {
       for (const float overlap : {0.0F, 1e-6F, 0.3F, 1.0F}) {
         for (const float fuzzifier : {1.05F, 2.0F, 4.0F}) {
           Setting setting{backend, Options()};

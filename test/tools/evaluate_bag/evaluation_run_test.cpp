@@ -55,7 +55,7 @@ TEST(RunComparison, OnlyExactRunsMustAgree) {
   Runs runs;
   addRun("cpu", Predicates::kExact, 1, &runs);
   addRun("cuda", Predicates::kExact, 1, &runs);
-  addRun("cuda", Predicates::kFast, 1, &runs);
+  addRun("cuda", Predicates::kConservative, 1, &runs);
   addRun("cpu", Predicates::kConservative, 1, &runs);
   addRun("cpu", Predicates::kExact, 0.5F, &runs);
   addRun("fcl", Predicates::kExact, 1, &runs);

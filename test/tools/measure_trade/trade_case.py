@@ -24,9 +24,9 @@ SETTING = ("backend", "predicates", "overlap", "clusters", "fuzzifier", "iterati
 
 def quick(**changes):
     """Options for a few settings and cycles, so that a run takes no time."""
-    options = {"clusters": "0,6", "overlaps": "0,1", "predicates": "exact,fast", "fuzzifiers": "2",
-               "iterations": "1,0", "refresh_periods": "1", "cycles": "4", "warm_up": "1",
-               "repeats": "1"}
+    options = {"clusters": "0,6", "overlaps": "0,1", "predicates": "exact,conservative",
+               "fuzzifiers": "2", "iterations": "1,0", "refresh_periods": "1", "cycles": "4",
+               "warm_up": "1", "repeats": "1"}
     options.update(changes)
     return [word for name, value in options.items()
             for word in ("--" + name.replace("_", "-"), value)]

@@ -191,7 +191,7 @@ TEST(TradeDefaults, AreChosenUnlessAnotherSettingIsFasterBeyondTheNoise) {
 TEST(TradeGrid, InFullAndOneAtATime) {
   TradeGrid grid;
   grid.overlaps = {1, 0.5F};
-  grid.predicates = {Predicates::kFast, Predicates::kExact};
+  grid.predicates = {Predicates::kConservative, Predicates::kExact};
   grid.clusters = {0, 8, 8};
   grid.fuzzifiers = {3, 2};
   grid.iterations = {1};
@@ -215,7 +215,8 @@ TEST(TradeGrid, InFullAndOneAtATime) {
       EXPECT_EQ((options.fuzzifier != 3) + (options.refresh_period != 5), 1);
     }
   }
-  EXPECT_TRUE(names.count("cpu, fast, overlap 0.5, clusters 8, fuzzifier 3, refresh period 5"));
+  EXPECT_TRUE(
+      names.count("cpu, conservative, overlap 0.5, clusters 8, fuzzifier 3, refresh period 5"));
 }
 
 }  // namespace

@@ -260,8 +260,7 @@ TEST(TradeStatistics, WhatMissesTheBudgetByNoiseAloneGoesBeforeWhatIsLessExact) 
 
 TEST(TradeStatistics, StrictnessIsOfPredicatesThenOfOverlap) {
   double before = -1;
-  for (const Predicates predicates :
-       {Predicates::kFast, Predicates::kConservative, Predicates::kExact}) {
+  for (const Predicates predicates : {Predicates::kConservative, Predicates::kExact}) {
     for (const float overlap : {0.0F, 0.5F, 1.0F}) {
       Options options;
       options.predicates = predicates;
