@@ -97,7 +97,7 @@ compare_pairs() {
   echo "$(ls "$2" | wc -l) files of pairs compared with $1: $(cat "$2"/* | wc -l) lines"
 }
 
-# Runs WHAT in ROOT (see stand_in_tests), and compares its pairs of 22 scenes with those of
+# Runs WHAT in ROOT (see stand_in_tests), and compares its pairs of 20 scenes with those of
 # DETECT_CONTACTS, a program of this machine.
 stand_in_tests_and_pairs() {
   stand_in_tests "$1" "$2" || return

@@ -179,8 +179,8 @@ DCM_HD inline SweptVerdict disjointVerdict(const MovingTriangle& a, const Moving
 }  // namespace detail
 
 // Decides two triangles with finite vertices that share none. If they do not move, it returns the
-// static verdict. Real is double; or float, on devices where double is slow. Times are right to
-// 2^-20.
+// static verdict. Real is double; in tests also float, of which devices use the parts. Times are
+// right to 2^-20.
 template <class Real, unsigned kFilters = kAllSweptFilters>
 DCM_HD inline SweptVerdict quickSweptVerdict(const MovingTriangle& a, const MovingTriangle& b,
                                              bool wants_time, PredicateState& state) {

@@ -46,6 +46,10 @@ class Scene(Measured):
 
     def __init__(self, folder):
         super().__init__(folder, "settings.csv")
+        unknown = sorted({row["predicates"] for row in self.rows} - PREDICATES.keys())
+        if unknown:
+            raise ValueError(f"{folder / 'settings.csv'}: another version measured predicates "
+                             f"{', '.join(unknown)}, which are gone; measure again")
         self.backends = [b for b in BACKENDS if any(row["backend"] == b for row in self.rows)]
 
     def select(self, **wanted):

@@ -104,10 +104,14 @@ class MeasureTrade(Case):
         subprocess.run([*script, self.path("one"), self.path("two"), "--out", self.folder],
                        check=True)
         self.assertTrue(os.path.exists(self.path("accuracy.png")))
-        done = subprocess.run([*script, self.path("three")], stderr=subprocess.PIPE, text=True,
-                              check=False)
-        self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stderr, r"\Aplot_trade.py: .*three/settings.csv.*\n\Z")
+        two = pathlib.Path(self.path("two", "settings.csv"))
+        two.write_text(two.read_text().replace("exact", "fast"))
+        for folder, problem in (("two", "two/settings.csv: .* predicates fast, which are gone;"),
+                                ("three", "three/settings.csv")):
+            done = subprocess.run([*script, self.path(folder)], stderr=subprocess.PIPE, text=True,
+                                  check=False)
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stderr, rf"\Aplot_trade.py: .*{problem}.*\n\Z")
 
     def test_a_disk_that_is_full_leaves_no_half_a_picture(self):
         self.works(*self.scene(), *quick(overlaps="1", predicates="exact"), plots=True)
