@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "monitor/diagnostics/robot_checks.h"
+#include "monitor/input/checked_subscription.h"
 #include "monitor/messages/contact_messages.h"
-#include "node/checked_subscription.h"
 
 namespace deformable_contact_monitor {
 namespace {

@@ -12,7 +12,7 @@
 #include <thread>
 #include <utility>
 
-#include "node/checked_subscription.h"
+#include "monitor/input/checked_subscription.h"
 
 namespace deformable_contact_monitor {
 namespace {

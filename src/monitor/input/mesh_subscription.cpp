@@ -3,7 +3,6 @@
 
 #include <ros/message_event.h>
 #include <ros/message_traits.h>
-#include <ros/subscription_callback_helper.h>
 
 #include <boost/make_shared.hpp>
 #include <chrono>
@@ -12,43 +11,12 @@
 #include <utility>
 
 #include "monitor/input/adapter_choice.h"
+#include "monitor/input/checked_subscription.h"
 #include "monitor/input/message_bytes.h"
 #include "monitor/time_difference.h"
 
 namespace deformable_contact_monitor {
 namespace {
-
-template <typename M>
-using Helper = ros::SubscriptionCallbackHelperT<const ros::MessageEvent<const M>&>;
-
-// Replaces roscpp's reader of one message type.
-template <typename M>
-class CheckingHelper : public Helper<M> {
- public:
-  CheckingHelper(std::size_t max_bytes, const typename Helper<M>::Callback& callback)
-      : Helper<M>(callback), max_bytes_(max_bytes) {}
-
-  // Returns the message, or an empty one that has the original's stamp and carries a Rejection.
-  ros::VoidConstPtr deserialize(
-      const ros::SubscriptionCallbackHelperDeserializeParams& params) override {
-    std::string problem = validateMeshBytes<M>(params.buffer, params.length, max_bytes_);
-    if (problem.empty()) {
-      try {
-        return Helper<M>::deserialize(params);
-      } catch (const std::exception& error) {  // out of memory, say
-        problem = error.what();
-      }
-    }
-    const boost::shared_ptr<M> message(new M, Rejection{problem});
-    if (ros::Time* const stamp = ros::message_traits::timeStamp(*message)) {
-      *stamp = stampIn(params.buffer, params.length);
-    }
-    return message;
-  }
-
- private:
-  const std::size_t max_bytes_;
-};
 
 // Converts a message; throws if it is not a valid mesh.
 template <typename M>
@@ -90,10 +58,12 @@ template <typename M>
 ros::SubscribeOptions subscription(const std::string& topic, std::size_t max_bytes,
                                    const MeshReceiver& receive, const Adapt<M>& adapt) {
   constexpr std::uint32_t kQueue = 1;  // only the newest message is of use
-  ros::SubscribeOptions options(topic, kQueue, ros::message_traits::md5sum<M>(),
-                                ros::message_traits::datatype<M>());
-  options.helper = boost::make_shared<CheckingHelper<M>>(
-      max_bytes, [max_bytes, receive, adapt](const ros::MessageEvent<const M>& event) {
+  return checkedSubscription<M>(
+      topic, kQueue,
+      [max_bytes](const std::uint8_t* bytes, std::size_t size) {
+        return validateMeshBytes<M>(bytes, size, max_bytes);
+      },
+      [max_bytes, receive, adapt](const ros::MessageEvent<const M>& event) {
         IncomingMesh mesh = meshOf(event, max_bytes, adapt);
         if (mesh.message == nullptr) return;
         mesh.arrival =
@@ -105,8 +75,6 @@ ros::SubscribeOptions subscription(const std::string& topic, std::size_t max_byt
         }
         receive(mesh);
       });
-  options.transport_hints = ros::TransportHints().tcpNoDelay();
-  return options;
 }
 
 // The adapter is shared by all copies that roscpp makes of the callback, as it remembers triangles.
