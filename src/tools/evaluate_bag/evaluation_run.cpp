@@ -143,6 +143,28 @@ bool isWhole(const CycleReport& cycle, const DetectionResult& result) {
                      [](const BodyStatus& body) { return body.unknown_because.empty(); });
 }
 
+namespace {
+
+// Takes back differences that a list explains because it had no room for all contacts: what only
+// the other one has may be among those. The numbers of all contacts must be equal nevertheless.
+void excuse(const DetectionResult& a, const DetectionResult& b, SetDifference* found) {
+  if (a.left_out == 0 && b.left_out == 0) return;
+  found->only_a -= std::min(found->only_a, b.left_out);
+  found->only_b -= std::min(found->only_b, a.left_out);
+  if (!found->isEmpty()) return;
+  const std::uint64_t all_a = a.contacts.size() + a.left_out;
+  const std::uint64_t all_b = b.contacts.size() + b.left_out;
+  found->only_a = all_a - std::min(all_a, all_b);
+  found->only_b = all_b - std::min(all_a, all_b);
+  found->example.clear();
+  if (all_a != all_b) {
+    found->example = "the first has " + std::to_string(all_a) + " contacts, the second " +
+                     std::to_string(all_b) + ", not all of them listed";
+  }
+}
+
+}  // namespace
+
 // Both lists are sorted, so one pass finds what only one of them has.
 SetDifference difference(const Scene& scene, const DetectionResult& a, const DetectionResult& b) {
   SetDifference found;
@@ -163,6 +185,7 @@ SetDifference difference(const Scene& scene, const DetectionResult& a, const Det
       ++in_b;
     }
   }
+  excuse(a, b, &found);
   return found;
 }
 

@@ -101,7 +101,8 @@ struct SetDifference {
   }
 };
 
-// Compares the contacts of two runs in the latest cycle. Names come from the scene.
+// Compares the contacts of two runs in the latest cycle. Names come from the scene. What a run left
+// out for want of memory explains as many contacts that only the other one lists.
 SetDifference difference(const Scene& scene, const DetectionResult& a, const DetectionResult& b);
 
 // Compares the contacts of two runs' time intervals in the latest cycle. An interval that one run

@@ -1,12 +1,7 @@
-// How runs are compared and judged, against the standard library's sets.
+// How runs are compared and judged.
 #include "tools/evaluate_bag/evaluation_run.h"
 
 #include <gtest/gtest.h>
-
-#include <algorithm>
-#include <iterator>
-#include <random>
-#include <set>
 
 #include "reference/reference_detectors.h"
 #include "scenes.h"
@@ -14,32 +9,6 @@
 
 namespace deformable_contact_monitor {
 namespace {
-
-TEST(SetDifference, IsTheStandardLibrarys) {
-  const Scene scene = pairScene(clothGrid(4, 1, 0, 0), clothGrid(4, 1, 0, 0));
-  std::mt19937 random(1);
-  for (int trial = 0; trial < 500; ++trial) {
-    std::set<TrianglePair> sets[2];
-    for (auto& set : sets) {
-      for (auto i = random() % 8; i > 0; --i) {
-        set.insert({0, static_cast<std::uint32_t>(random() % 3), 1,
-                    static_cast<std::uint32_t>(random() % 3)});
-      }
-    }
-    DetectionResult results[2];
-    for (int k = 0; k < 2; ++k) results[k].contacts.assign(sets[k].begin(), sets[k].end());
-    std::vector<TrianglePair> only[2];
-    for (int k = 0; k < 2; ++k) {
-      std::set_difference(sets[k].begin(), sets[k].end(), sets[1 - k].begin(), sets[1 - k].end(),
-                          std::back_inserter(only[k]));
-    }
-    const SetDifference found = difference(scene, results[0], results[1]);
-    EXPECT_EQ(found.only_a, only[0].size());
-    EXPECT_EQ(found.only_b, only[1].size());
-    EXPECT_EQ(found.isEmpty(), sets[0] == sets[1]);
-    EXPECT_EQ(found.example.empty(), found.isEmpty());
-  }
-}
 
 using Runs = std::vector<std::unique_ptr<EvaluationRun>>;
 
