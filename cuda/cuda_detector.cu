@@ -147,7 +147,7 @@ void SingleGpuDetector::addTimes(double upload_ms, double output_ms, bool swept)
                          {"transform_to_narrow_phase", result_.detect_ms - decide_ms},
                          {kStageNames[static_cast<int>(Stage::kOutput)], output_ms}};
   }
-  if (swept) result_.stages_ms.emplace_back("judge_on_host", decide_ms);
+  if (swept) result_.stages_ms.emplace_back("narrow_phase_on_host", decide_ms);
 }
 
 // Runs cycles with such options on a tiny scene: step by step, and as a recorded graph.
