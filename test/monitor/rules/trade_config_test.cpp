@@ -85,7 +85,7 @@ TEST(TradeConfig, TheNodesParserReadsEverySettingBack) {
       }
     }
   }
-  EXPECT_EQ(read, 72U);
+  EXPECT_EQ(read, 48U);
 }
 
 // The first setting is exact, and takes as long as the others.
