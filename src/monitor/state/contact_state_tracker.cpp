@@ -286,11 +286,13 @@ bool ContactStateTracker::applyInterval(const CycleReport& report, const Interva
     interval.setPassed(state);
     return true;
   }
-  // NONE also says that nothing touched since the last known state. Without a known state there is
-  // nothing to say that about, so a pair without an interval may then be NONE.
+  // NONE also says that nothing touched since the last cycle. Before the first known state, and
+  // after a reset, there is nothing to say that about, so a pair without an interval may be NONE.
+  // An UNKNOWN in between changes nothing: what came after it was not looked at either.
   const bool joins = !track->isKnown() || interval.from <= track->state.stamp;
   if (interval.problem.empty() && joins) return true;
-  if (!interval.has_interval && !track->isKnown()) return true;
+  const bool was_known = track->isKnown() || track->state_before != ContactState::UNKNOWN;
+  if (!interval.has_interval && !was_known) return true;
   interrupt(ContactState::UNKNOWN,
             joins ? interval.problem : "the step begins later than the state before", report.now,
             track);

@@ -41,9 +41,9 @@ class ContactStateTracker {
   // - What is known of a later stamp stays, except that a NONE or NEAR becomes PASSED if the pair
   //   touched in the report's interval. If the mesh of the object that triggered the cycle was
   //   refused or deleted, nothing stays.
-  // - With motion: swept, NONE and NEAR also say that the pair did not touch since its last known
-  //   state. If the pair was known before but has no time interval, or one that starts later than
-  //   that state, that cannot be said, and they become UNKNOWN.
+  // - With motion: swept, NONE and NEAR also say that the pair did not touch since its last cycle.
+  //   If the pair was known at any time since it was forgotten but has no time interval, or one
+  //   that starts later than its known state, that cannot be said, and they become UNKNOWN.
   // States follow each cycle at once. Only events are debounced.
   void update(const CycleReport& report);
 
