@@ -139,7 +139,7 @@ struct SceneArrays : ArrayGroup {
   DeviceArray<std::uint32_t, BodyIndex, kSides> body_boxes{*this, &CycleSizes::bodies};
   // The identity of a vertex: equal for two vertices of a body if and only if they are equal as
   // received. It is the number of one of these vertices; at that vertex kRepeated is set if there
-  // are others and CycleParams::fans is set.
+  // are others and CycleParams::fans is set. Then the array is zero at the start of a cycle.
   DeviceArray<VertexIndex, VertexIndex> vertex_id{*this, &CycleSizes::vertices};
   // 1 for each vertex whose fan is certified, as far as the vertex's own ring shows. Only for
   // bodies that may touch themselves, and if CycleParams::fans is set.

@@ -1,5 +1,5 @@
 // Stage output: computes the geometry of sorted contacts, by the same rule as on the host, and
-// writes it into memory of the host.
+// writes both into memory of the host.
 //
 // Nearly all contacts are proper crossings. They take one path, without memory besides registers.
 // The others are listed by kind, so that the threads of a warp do similar work.
@@ -65,11 +65,11 @@ struct ListedPair {
   }
 };
 
-// Returns how many contacts are described.
-__device__ std::uint32_t describedContacts(const CycleArrays& c, const SortedContacts& sorted) {
+// Returns how many contacts are written if there is room for `room`.
+__device__ std::uint32_t writtenContacts(const CycleArrays& c, std::uint32_t room) {
   // If some row is too long, the keys have not been written.
   if (c.contacts.row_too_long[Place(0)] != 0) return 0;
-  return min(sorted.most, c.listedContacts());
+  return min(room, c.listedContacts());
 }
 
 // One thread for each sorted contact: writes its geometry if it properly crosses, else lists it.
@@ -77,7 +77,7 @@ __global__ void __launch_bounds__(kThreads)
     crossingKernel(CycleArrays c, SortedContacts sorted, GeometryOutput out) {
   __shared__ GeometryWriter writers[kWarps];
   const std::uint32_t i = blockIdx.x * kThreads + threadIdx.x;
-  const bool is_there = i < describedContacts(c, sorted);
+  const bool is_there = i < writtenContacts(c, sorted.most);
   if (__ballot_sync(kFullWarp, is_there) == 0) return;
   PairGeometry geometry({}, {}, {}, 0, 0);
   bool crosses = false, coplanar = false;
@@ -93,7 +93,8 @@ __global__ void __launch_bounds__(kThreads)
   writers[threadIdx.x / kWarp].write(out.geometry, crosses, i, geometry);
 }
 
-// One thread for each contact that was listed, and warps of one kind.
+// One thread for each contact that was listed, and warps of one kind. The threads that are left
+// write the contacts meanwhile.
 __global__ void __launch_bounds__(kThreads)
     openKernel(CycleArrays c, SortedContacts sorted, GeometryOutput out) {
   __shared__ GeometryWriter writers[kWarps];
@@ -113,6 +114,10 @@ __global__ void __launch_bounds__(kThreads)
       geometry = generalGeometryOf(pair.a, pair.b, pair.separation_m);
     }
     writers[threadIdx.x / kWarp].write(out.geometry, is_there, i, geometry);
+  }
+  const std::uint32_t written = writtenContacts(c, out.room), stride = gridDim.x * kThreads;
+  for (std::uint32_t i = blockIdx.x * kThreads + threadIdx.x; i < written; i += stride) {
+    out.pairs[i] = pairOf(c, sorted.keys[i]);
   }
 }
 

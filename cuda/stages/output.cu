@@ -37,7 +37,7 @@ void ContactOutput::makeRoom(std::uint32_t count, DetectionResult& result, cudaS
 
 OrderedOutput ContactOutput::output(DetectionResult& result) {
   OrderedOutput out{};
-  out.pairs = reinterpret_cast<uint4*>(result.contacts.data());
+  if (!fields_.geometry) out.pairs = reinterpret_cast<uint4*>(result.contacts.data());
   if (fields_.separations) out.separations_m = separations_.data();
   if (fields_.times()) out.times = times_.data();
   out.room = room_;
@@ -84,7 +84,7 @@ void ContactOutput::write(const CycleArrays& cycle, DetectionResult& result, cud
   }
 }
 
-// Computes the geometry of the first `most` contacts.
+// Writes the contacts, and computes the geometry of the first `most`.
 void ContactOutput::describe(const CycleArrays& cycle, std::uint32_t most, DetectionResult& result,
                              cudaStream_t stream) {
   described_ = 0;
@@ -92,7 +92,9 @@ void ContactOutput::describe(const CycleArrays& cycle, std::uint32_t most, Detec
   described_ = std::min(most, room_);
   launchGeometry(
       cycle, {keys_.data(), fields_.separations ? sorted_separations_.data() : nullptr, described_},
-      {result.geometry.data(), open_.data(), open_count_.data()}, blocks_, stream);
+      {reinterpret_cast<uint4*>(result.contacts.data()), room_, result.geometry.data(),
+       open_.data(), open_count_.data()},
+      blocks_, stream);
 }
 
 void ContactOutput::list(std::uint32_t count, DetectionResult& result) const {

@@ -42,22 +42,12 @@ __global__ void __launch_bounds__(kThreads) scatterKernel(CycleArrays c) {
   }
 }
 
-// Returns a contact in the layout of TrianglePair.
-__device__ uint4 pairOf(const CycleArrays& c, std::uint64_t key) {
-  const ListedBody* const bodies = c.scene.listed_bodies.data();
-  const std::uint64_t mask = (std::uint64_t{1} << c.params().index_bits) - 1;
-  const TriangleIndex a = lowerOf(c, key), b(static_cast<std::uint32_t>(key & mask));
-  const ListedBody body_a = bodyOf(bodies, c.scene.body_count, a);
-  const ListedBody body_b = bodyOf(bodies, c.scene.body_count, b);
-  return {body_a.id, a.value - body_a.first_triangle, body_b.id, b.value - body_b.first_triangle};
-}
-
 // Writes a contact to its place in the order. `from`: its place in contacts.contacts, where its
 // times and separation are.
 __device__ void writeOne(const CycleArrays& c, const OrderedOutput& out, Place from,
                          std::uint64_t key, std::uint32_t place) {
   if (place >= out.room) return;
-  out.pairs[place] = pairOf(c, key);
+  if (out.pairs != nullptr) out.pairs[place] = pairOf(c, key);
   if (out.keys != nullptr) out.keys[place] = key;
   if (out.times != nullptr) out.times[place] = c.contacts.times[from];
   if (out.separations_m == nullptr) return;

@@ -31,6 +31,17 @@ struct OrderedOutput {
   std::uint32_t* open_count;  // set to zeros, see GeometryOutput
 };
 
+// Returns a contact in the layout of TrianglePair. `key`: as in ContactArrays::contacts.
+__device__ inline uint4 pairOf(const CycleArrays& c, std::uint64_t key) {
+  const ListedBody* const bodies = c.scene.listed_bodies.data();
+  const unsigned bits = c.params().index_bits;
+  const TriangleIndex a(static_cast<std::uint32_t>(key >> bits));
+  const TriangleIndex b(static_cast<std::uint32_t>(key & ((std::uint64_t{1} << bits) - 1)));
+  const ListedBody body_a = bodyOf(bodies, c.scene.body_count, a);
+  const ListedBody body_b = bodyOf(bodies, c.scene.body_count, b);
+  return {body_a.id, a.value - body_a.first_triangle, body_b.id, b.value - body_b.first_triangle};
+}
+
 // The kinds of contacts that do not properly cross: those that seem coplanar, and others.
 constexpr unsigned kOpenKinds = 2;
 
@@ -68,17 +79,21 @@ struct SortedContacts {
   std::uint32_t most;          // the number of contacts to describe, if there are so many
 };
 
-// Where the geometry of sorted contacts is written, each at its contact's place.
+// Where sorted contacts and their geometry are written, in their order.
 struct GeometryOutput {
-  PairGeometry* geometry;  // in mapped memory of the host
+  // In mapped memory of the host: `room` TrianglePairs, and the geometry of SortedContacts::most.
+  uint4* pairs;
+  std::uint32_t room;
+  PairGeometry* geometry;
   // On the device: the places of contacts that do not properly cross. Those that seem coplanar are
   // listed from the front, others from the back. There is room for SortedContacts::most.
   std::uint32_t* open;
   std::uint32_t* open_count;  // kOpenKinds numbers: how many are listed of either kind; zero before
 };
 
-// Enqueues the computation of each contact's geometry. Reads scene.corners and scene.posed.
-// `blocks`: the number of blocks of the launch for contacts that do not properly cross.
+// Enqueues the computation of each contact's geometry, and writes the contacts too: the bus is
+// idle while the last of the geometry is computed. Reads scene.corners and scene.posed. `blocks`:
+// the number of blocks of the launch for contacts that do not properly cross.
 void launchGeometry(const CycleArrays& cycle, const SortedContacts& sorted,
                     const GeometryOutput& out, unsigned blocks, cudaStream_t stream);
 

@@ -45,9 +45,9 @@ using Launch = void (*)(const CycleArrays&, const CycleShape&, cudaStream_t);
 void launchVertexIdentities(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream);
 
 // Adds what must be zero before a cycle to `copies`: the counters, the bins' counts, the boxes of
-// the bodies and the table of vertices. It also makes the bins that the last cycle sized the
-// current ones. The kernel that copies from the host does this too, because another kernel would
-// delay the cycle.
+// the bodies, the table of vertices, and their identities if fans are certified. It also makes the
+// bins that the last cycle sized the current ones. The kernel that copies from the host does this
+// too, because another kernel would delay the cycle.
 void addClearing(const CycleArrays& cycle, const CycleShape& shape, HostCopies& copies);
 
 // transform: brings the vertices into the scene frame and bounds the bodies. It also finds each

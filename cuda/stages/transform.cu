@@ -78,6 +78,7 @@ void addClearing(const CycleArrays& cycle, const CycleShape& shape, HostCopies& 
   copies.addZeros(cycle.scene.rejected.size(), cycle.scene.rejected.data());
   if (!shape.identify) return;
   copies.addZeros(cycle.scene.identity_table.size(), cycle.scene.identity_table.data());
+  if (shape.fans) copies.addZeros(cycle.scene.vertex_id.size(), cycle.scene.vertex_id.data());
 }
 
 void launchTransform(const CycleArrays& cycle, const CycleShape& shape, cudaStream_t stream) {

@@ -88,15 +88,20 @@ __device__ void identify(const CycleArrays& c, const BodyBlock& block) {
   const Vec3f v = receivedAt(scene, i);
   const bool wanted = body.has_self != 0 && isFinite(v);
   const std::uint32_t number = wanted ? numberOrSide(c, body, i) : i.value;
-  scene.vertex_id[i] = VertexIndex(number);
-  if (!wanted || number != i.value) return;
+  const bool is_searched = wanted && number == i.value;
+  const VertexIndex first = is_searched ? firstEqual(scene, block.body, i, v) : VertexIndex(number);
   const bool marks = c.params().fans != 0;
-  if (marks) __threadfence();  // a thread that finds this vertex changes its entry afterwards
-  const VertexIndex first = firstEqual(scene, block.body, i, v);
-  if (first == i) return;
-  scene.vertex_id[i] = first;
+  const auto addBits = [&scene](VertexIndex to, std::uint32_t bits) {
+    atomicOr(reinterpret_cast<std::uint32_t*>(&scene.vertex_id[to]), bits);
+  };
+  if (marks && first == i) {
+    addBits(i, i.value);  // another thread may have set kRepeated before
+  } else {
+    scene.vertex_id[i] = first;
+  }
+  if (!is_searched || first == i) return;
   atomicAdd(&c.counters().repeated_vertices, 1U);
-  if (marks) atomicOr(reinterpret_cast<std::uint32_t*>(&scene.vertex_id[first]), kRepeated);
+  if (marks) addBits(first, kRepeated);
 }
 
 // One thread for each vertex of the block: writes scene.fan_certified. If no vertex of the block
@@ -142,13 +147,12 @@ __global__ void __launch_bounds__(kThreads) identityKernel(CycleArrays c) {
 }
 
 // Returns a vertex's id from its entry in scene.vertex_id, with kFanCertified if its fan is
-// certified. A certified fan counts only if no other vertex is equal to this one: then its ring has
-// all triangles at that place.
-__device__ std::uint32_t idOf(const CycleArrays& c, BodyIndex body, VertexIndex v,
-                              std::uint32_t id) {
+// `certified` by its own ring. A certified fan counts only if no other vertex is equal to this one:
+// then its ring has all triangles at that place.
+__device__ std::uint32_t idOf(const CycleArrays& c, BodyIndex body, VertexIndex v, std::uint32_t id,
+                              bool certified) {
   if (id >= kAbovePartition) return firstEqual(c.scene, body, v, receivedAt(c.scene, v)).value;
-  const bool certified = c.params().fans != 0 && id == v.value && c.scene.fan_certified[v] != 0;
-  return certified ? id | kFanCertified : id & ~kRepeated;
+  return certified && id == v.value ? id | kFanCertified : id & ~kRepeated;
 }
 
 // One thread for each slot of a tile: reads scene.vertex_id and scene.fan_certified; writes the ids
@@ -160,12 +164,16 @@ __global__ void __launch_bounds__(kThreads) slotIdsKernel(CycleArrays c) {
   if (numbers.w == kNone) return;
   const BodyIndex body = c.scene.tile_body[TileIndex(slot.value / kWarp)];
   const VertexIndex v[] = {VertexIndex(numbers.x), VertexIndex(numbers.y), VertexIndex(numbers.z)};
+  const bool fans = c.params().fans != 0;
   awaitPreviousKernel();
   const uint3 id = {c.scene.vertex_id[v[0]].value, c.scene.vertex_id[v[1]].value,
                     c.scene.vertex_id[v[2]].value};
+  bool certified[3];
+  for (int k = 0; k < 3; ++k) certified[k] = fans && c.scene.fan_certified[v[k]] != 0;
   if (id.x >= kAbovePartition && id.x == id.y && id.x == id.z) return;
-  c.tiles.ids[slot] = make_uint4(idOf(c, body, v[0], id.x), idOf(c, body, v[1], id.y),
-                                 idOf(c, body, v[2], id.z), 0);
+  c.tiles.ids[slot] =
+      make_uint4(idOf(c, body, v[0], id.x, certified[0]), idOf(c, body, v[1], id.y, certified[1]),
+                 idOf(c, body, v[2], id.z, certified[2]), 0);
 }
 
 }  // namespace

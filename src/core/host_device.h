@@ -11,8 +11,8 @@
 // the host, and compilation short on the device.
 #define DCM_RARE __attribute__((noinline))
 
-// Stands before a loop in long code that runs rarely. Not unrolling it keeps the code short on the
-// device.
+// Stands before a loop whose code runs rarely, or once in a kernel. Not unrolling it keeps the code
+// short on the device, which otherwise waits for its instructions.
 #ifdef __CUDA_ARCH__
 #define DCM_ROLLED _Pragma("unroll 1")
 #else

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "core/host_device.h"
 #include "core/vector3.h"
 
 namespace deformable_contact_monitor {
@@ -55,7 +56,7 @@ DCM_HD inline bool isFanCertified(const Vec3f& centre, const Fan& fan) {
   if (size < 2) return false;
   const Vec3f first = fan.ring(0) - centre;
   Vec3f normal, from = first;
-  for (std::uint32_t k = 1; k < size; ++k) {
+  DCM_ROLLED for (std::uint32_t k = 1; k < size; ++k) {
     const Vec3f to = fan.ring(k) - centre;
     normal = normal + detail::EdgeProduct(from, to).value;
     from = to;
@@ -64,21 +65,20 @@ DCM_HD inline bool isFanCertified(const Vec3f& centre, const Fan& fan) {
   normal = normal * (1 / scale);
   // If the triangles turn by more than a full circle, they pass the first ray: some triangle that
   // starts on the right of it, or opposite to it, ends on it or on the left. The last triangle of a
-  // closed fan may end on it.
+  // closed fan may end on it. There are no branches, because few fans fail, and one thread works on
+  // each.
   const std::uint32_t last = fan.closed() ? size - 1 : size;
-  int ahead = 0;
+  bool certified = true, was_ahead = false;
   from = first;
-  for (std::uint32_t k = 1; k < size; ++k) {
+  DCM_ROLLED for (std::uint32_t k = 1; k < size; ++k) {
     const Vec3f to = fan.ring(k) - centre;
-    if (detail::EdgeProduct(from, to).turn(normal) != 1) return false;
-    if (k < last) {
-      const int side = detail::EdgeProduct(first, to).turn(normal);
-      if (k > 1 && ahead != 1 && side != -1) return false;
-      ahead = side;
-    }
+    certified &= detail::EdgeProduct(from, to).turn(normal) == 1;
+    const int side = detail::EdgeProduct(first, to).turn(normal);
+    certified &= (k >= last) | (k == 1) | was_ahead | (side == -1);
+    was_ahead = side == 1;
     from = to;
   }
-  return true;
+  return certified;
 }
 
 }  // namespace deformable_contact_monitor
