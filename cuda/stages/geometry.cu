@@ -1,4 +1,4 @@
-// Stage output: computes the geometry of sorted contacts, by the same rule as on the host, and
+// Stage output: computes the geometry of ordered contacts, by the same rule as on the host, and
 // writes both into memory of the host.
 //
 // Nearly all contacts are proper crossings. They take one path, without memory besides registers.
@@ -46,12 +46,13 @@ struct ListedPair {
   Triangle a, b;
   float separation_m;
 
-  __device__ ListedPair(const CycleArrays& c, const SortedContacts& sorted, std::uint32_t i) {
+  __device__ ListedPair(const CycleArrays& c, const OrderedContacts& ordered,
+                        const GeometryOutput& out, std::uint32_t i) {
     const unsigned bits = c.params().index_bits;
-    const std::uint64_t key = sorted.keys[i], mask = (std::uint64_t{1} << bits) - 1;
+    const std::uint64_t key = ordered.keys[i], mask = (std::uint64_t{1} << bits) - 1;
     a = posedTriangle(c.scene, TriangleIndex(static_cast<std::uint32_t>(key >> bits)));
     b = posedTriangle(c.scene, TriangleIndex(static_cast<std::uint32_t>(key & mask)));
-    separation_m = sorted.separations_m != nullptr ? sorted.separations_m[i] : 0;
+    separation_m = out.separations_m != nullptr ? out.separations_m[ordered.from[i].value] : 0;
   }
   // Returns whether all vertices of b seem to be on a's plane.
   __device__ bool seemsCoplanar() const {
@@ -65,38 +66,31 @@ struct ListedPair {
   }
 };
 
-// Returns how many contacts are written if there is room for `room`.
-__device__ std::uint32_t writtenContacts(const CycleArrays& c, std::uint32_t room) {
-  // If some row is too long, the keys have not been written.
-  if (c.contacts.row_too_long[Place(0)] != 0) return 0;
-  return min(room, c.listedContacts());
-}
-
-// One thread for each sorted contact: writes its geometry if it properly crosses, else lists it.
+// One thread for each ordered contact: writes its geometry if it properly crosses, else lists it.
 __global__ void __launch_bounds__(kThreads)
-    crossingKernel(CycleArrays c, SortedContacts sorted, GeometryOutput out) {
+    crossingKernel(CycleArrays c, OrderedContacts ordered, GeometryOutput out) {
   __shared__ GeometryWriter writers[kWarps];
   const std::uint32_t i = blockIdx.x * kThreads + threadIdx.x;
-  const bool is_there = i < writtenContacts(c, sorted.most);
+  const bool is_there = i < orderedCount(c, out.most);
   if (__ballot_sync(kFullWarp, is_there) == 0) return;
   PairGeometry geometry({}, {}, {}, 0, 0);
   bool crosses = false, coplanar = false;
   if (is_there) {
-    const ListedPair pair(c, sorted, i);
+    const ListedPair pair(c, ordered, out, i);
     crosses = pair.separation_m <= 0 && crossingGeometryOf(pair.a, pair.b, geometry);
     if (!crosses) coplanar = pair.seemsCoplanar();
   }
   const bool open = is_there && !crosses;
   const std::uint32_t from_front = warpReserve(out.open_count, open && coplanar);
   const std::uint32_t from_back = warpReserve(out.open_count + 1, open && !coplanar);
-  if (open) out.open[coplanar ? from_front : sorted.most - 1 - from_back] = i;
+  if (open) out.open[coplanar ? from_front : out.most - 1 - from_back] = i;
   writers[threadIdx.x / kWarp].write(out.geometry, crosses, i, geometry);
 }
 
 // One thread for each contact that was listed, and warps of one kind. The threads that are left
 // write the contacts meanwhile.
 __global__ void __launch_bounds__(kThreads)
-    openKernel(CycleArrays c, SortedContacts sorted, GeometryOutput out) {
+    openKernel(CycleArrays c, OrderedContacts ordered, ContactsOnHost to, GeometryOutput out) {
   __shared__ GeometryWriter writers[kWarps];
   const std::uint32_t coplanar = out.open_count[0], others = out.open_count[1];
   const std::uint32_t units = (coplanar + kWarp - 1) / kWarp;
@@ -109,26 +103,28 @@ __global__ void __launch_bounds__(kThreads)
     PairGeometry geometry({}, {}, {}, 0, 0);
     std::uint32_t i = 0;
     if (is_there) {
-      i = out.open[front ? k : sorted.most - 1 - k];
-      const ListedPair pair(c, sorted, i);
+      i = out.open[front ? k : out.most - 1 - k];
+      const ListedPair pair(c, ordered, out, i);
       geometry = generalGeometryOf(pair.a, pair.b, pair.separation_m);
     }
     writers[threadIdx.x / kWarp].write(out.geometry, is_there, i, geometry);
   }
-  const std::uint32_t written = writtenContacts(c, out.room), stride = gridDim.x * kThreads;
+  if (to.pairs == nullptr) return;
+  const std::uint32_t written = orderedCount(c, ordered.room), stride = gridDim.x * kThreads;
   for (std::uint32_t i = blockIdx.x * kThreads + threadIdx.x; i < written; i += stride) {
-    out.pairs[i] = pairOf(c, sorted.keys[i]);
+    writeOrdered(c, ordered, to, i);
   }
 }
 
 }  // namespace
 
-void launchGeometry(const CycleArrays& cycle, const SortedContacts& sorted,
-                    const GeometryOutput& out, unsigned blocks, cudaStream_t stream) {
-  if (sorted.most == 0) return;
-  const unsigned crossing_blocks = (sorted.most + kThreads - 1) / kThreads;
-  crossingKernel<<<crossing_blocks, kThreads, 0, stream>>>(cycle, sorted, out);
-  openKernel<<<blocks, kThreads, 0, stream>>>(cycle, sorted, out);
+void launchGeometry(const CycleArrays& cycle, const OrderedContacts& ordered,
+                    const ContactsOnHost& to, const GeometryOutput& out, unsigned blocks,
+                    cudaStream_t stream) {
+  if (out.most == 0) return;
+  const unsigned crossing_blocks = (out.most + kThreads - 1) / kThreads;
+  crossingKernel<<<crossing_blocks, kThreads, 0, stream>>>(cycle, ordered, out);
+  openKernel<<<blocks, kThreads, 0, stream>>>(cycle, ordered, to, out);
   checkCuda(cudaGetLastError(), "a launch");
 }
 

@@ -1,4 +1,4 @@
-// Brings sorted contacts to the host. The device writes them directly into page-locked memory, so
+// Brings ordered contacts to the host. The device writes them directly into page-locked memory, so
 // the transfer can be enqueued before the host knows their number.
 #include <algorithm>
 #include <cstddef>
@@ -23,33 +23,25 @@ void ContactOutput::makeRoom(std::uint32_t count, DetectionResult& result, cudaS
   room_ = static_cast<std::uint32_t>(result.contacts.size());
   if (fields_.separations) separations_.grow(room_);
   if (fields_.times()) times_.grow(room_);
+  if (fields_.ofContacts()) from_.grow(room_, stream);
   if (!fields_.geometry) return;
   if (room_ > result.geometry.capacity()) {
     result.geometry.clear();
     result.geometry.reserve(room_);
   }
   result.geometry.resize(room_);
-  keys_.grow(room_, stream);
   open_.grow(room_, stream);
   open_count_.grow(kOpenKinds, stream);
-  if (fields_.separations) sorted_separations_.grow(room_, stream);
 }
 
-OrderedOutput ContactOutput::output(DetectionResult& result) {
-  OrderedOutput out{};
-  if (!fields_.geometry) out.pairs = reinterpret_cast<uint4*>(result.contacts.data());
-  if (fields_.separations) out.separations_m = separations_.data();
-  if (fields_.times()) out.times = times_.data();
-  out.room = room_;
-  out.too_long = too_long_.data();
-  if (fields_.geometry) {
-    out.keys = keys_.data();
-    out.open_count = open_count_.data();
-  }
-  if (fields_.geometry && fields_.separations) {
-    out.separations_on_device = sorted_separations_.data();
-  }
-  return out;
+OrderStatus ContactOutput::status() {
+  return {too_long_.data(), fields_.geometry ? open_count_.data() : nullptr};
+}
+
+ContactsOnHost ContactOutput::onHost(DetectionResult& result) {
+  return {reinterpret_cast<uint4*>(result.contacts.data()),
+          fields_.separations ? separations_.data() : nullptr,
+          fields_.times() ? times_.data() : nullptr};
 }
 
 void ContactOutput::fetch(const CycleArrays& cycle, const ContactFields& fields,
@@ -59,42 +51,51 @@ void ContactOutput::fetch(const CycleArrays& cycle, const ContactFields& fields,
   makeRoom(expected, result, stream);
   gathered_ = expected > kLongestRow / 2;
   if (gathered_) rows_.gather(cycle, blocks_, stream);
-  write(cycle, result, stream);
-  describe(cycle, most_described, result, stream);
+  orderAndWrite(cycle, most_described, result, stream);
 }
 
 void ContactOutput::fetchAgain(const CycleArrays& cycle, unsigned index_bits, std::uint32_t count,
                                DetectionResult& result, cudaStream_t stream) {
   makeRoom(count, result, stream);
-  if (too_long_[0] != 0) {
-    rows_.sortAndWrite(cycle, count, index_bits, output(result), blocks_, stream);
-    too_long_[0] = 0;
-    room_ = count;
-  } else {
-    write(cycle, result, stream);
-  }
-  describe(cycle, count, result, stream);
+  if (too_long_[0] == 0) return orderAndWrite(cycle, count, result, stream);
+  room_ = count;
+  rows_.sort(cycle, count, index_bits, status(), blocks_, stream);
+  describeAndWrite(cycle, {cycle.contacts.rows.data(), cycle.contacts.row_from.data(), room_},
+                   onHost(result), count, result, stream);
 }
 
-void ContactOutput::write(const CycleArrays& cycle, DetectionResult& result, cudaStream_t stream) {
+// Rows are ordered into the memory of the contacts as they were found, which are not needed again.
+void ContactOutput::orderAndWrite(const CycleArrays& cycle, std::uint32_t most_described,
+                                  DetectionResult& result, cudaStream_t stream) {
+  const ContactArrays& arrays = cycle.contacts;
   if (gathered_) {
-    rows_.write(cycle, output(result), blocks_, stream);
+    const OrderedContacts ordered{arrays.contacts.data(),
+                                  fields_.ofContacts() ? from_.data() : nullptr, room_};
+    ContactRows::order(cycle, ordered, status(), blocks_, stream);
+    describeAndWrite(cycle, ordered, onHost(result), most_described, result, stream);
   } else {
-    ContactRows::writeFew(cycle, output(result), blocks_, stream);
+    const OrderedContacts ordered{arrays.rows.data(), arrays.row_from.data(), room_};
+    ContactRows::writeFew(cycle, ordered, onHost(result), status(), blocks_, stream);
+    describeAndWrite(cycle, ordered, {}, most_described, result, stream);
   }
 }
 
-// Writes the contacts, and computes the geometry of the first `most`.
-void ContactOutput::describe(const CycleArrays& cycle, std::uint32_t most, DetectionResult& result,
-                             cudaStream_t stream) {
-  described_ = 0;
-  if (!fields_.geometry) return;
-  described_ = std::min(most, room_);
-  launchGeometry(
-      cycle, {keys_.data(), fields_.separations ? sorted_separations_.data() : nullptr, described_},
-      {reinterpret_cast<uint4*>(result.contacts.data()), room_, result.geometry.data(),
-       open_.data(), open_count_.data()},
-      blocks_, stream);
+// Computes the geometry of the first `most_described` contacts, and writes all to `to`, whose
+// fields are null if that was done.
+void ContactOutput::describeAndWrite(const CycleArrays& cycle, const OrderedContacts& ordered,
+                                     const ContactsOnHost& to, std::uint32_t most_described,
+                                     DetectionResult& result, cudaStream_t stream) {
+  described_ = fields_.geometry ? std::min(most_described, room_) : 0;
+  if (described_ > 0) {
+    const float* const separations_m =
+        fields_.separations ? cycle.contacts.separations_m.data() : nullptr;
+    launchGeometry(
+        cycle, ordered, to,
+        {result.geometry.data(), described_, separations_m, open_.data(), open_count_.data()},
+        blocks_, stream);
+  } else if (to.pairs != nullptr) {
+    ContactRows::write(cycle, ordered, to, blocks_, stream);
+  }
 }
 
 void ContactOutput::list(std::uint32_t count, DetectionResult& result) const {

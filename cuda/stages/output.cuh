@@ -21,6 +21,7 @@ struct ContactFields {
   bool first_times, within_pad;  // in swept motion
 
   bool times() const { return first_times || within_pad; }
+  bool ofContacts() const { return separations || times(); }
 };
 
 // Belongs to one detector; for one thread at a time.
@@ -47,25 +48,25 @@ class ContactOutput {
   void fetchAgain(const CycleArrays& cycle, unsigned index_bits, std::uint32_t count,
                   DetectionResult& result, cudaStream_t stream);
 
-  std::uint64_t bytes() const {
-    return keys_.bytes() + sorted_separations_.bytes() + open_.bytes() + rows_.bytes();
-  }
+  std::uint64_t bytes() const { return from_.bytes() + open_.bytes() + rows_.bytes(); }
 
   // Copies the first `count` contacts to the result, or fewer if fewer came. The stream must have
   // been waited for.
   void list(std::uint32_t count, DetectionResult& result) const;
 
  private:
-  void write(const CycleArrays& cycle, DetectionResult& result, cudaStream_t stream);
-  OrderedOutput output(DetectionResult& result);
-  void describe(const CycleArrays& cycle, std::uint32_t most, DetectionResult& result,
-                cudaStream_t stream);
+  OrderStatus status();
+  void orderAndWrite(const CycleArrays& cycle, std::uint32_t most_described,
+                     DetectionResult& result, cudaStream_t stream);
+  void describeAndWrite(const CycleArrays& cycle, const OrderedContacts& ordered,
+                        const ContactsOnHost& to, std::uint32_t most_described,
+                        DetectionResult& result, cudaStream_t stream);
+  ContactsOnHost onHost(DetectionResult& result);
   void listTimes(std::uint32_t count, DetectionResult& result) const;
 
   const unsigned blocks_;
   ContactRows rows_;
-  DeviceBuffer<std::uint64_t> keys_;
-  DeviceBuffer<float> sorted_separations_;
+  DeviceBuffer<Place> from_;                       // see OrderedContacts
   DeviceBuffer<std::uint32_t> open_, open_count_;  // see GeometryOutput
   PinnedBuffer<float> separations_;
   PinnedBuffer<ContactTimes> times_;

@@ -42,56 +42,61 @@ __global__ void __launch_bounds__(kThreads) scatterKernel(CycleArrays c) {
   }
 }
 
-// Writes a contact to its place in the order. `from`: its place in contacts.contacts, where its
-// times and separation are.
-__device__ void writeOne(const CycleArrays& c, const OrderedOutput& out, Place from,
-                         std::uint64_t key, std::uint32_t place) {
-  if (place >= out.room) return;
-  if (out.pairs != nullptr) out.pairs[place] = pairOf(c, key);
-  if (out.keys != nullptr) out.keys[place] = key;
-  if (out.times != nullptr) out.times[place] = c.contacts.times[from];
-  if (out.separations_m == nullptr) return;
-  const float separation_m = c.contacts.separations_m[from];
-  out.separations_m[place] = separation_m;
-  if (out.separations_on_device != nullptr) out.separations_on_device[place] = separation_m;
+// Puts a contact to its place in the order. `from`: the place at which it was found.
+__device__ void put(const OrderedContacts& ordered, std::uint32_t place, std::uint64_t key,
+                    Place from) {
+  if (place >= ordered.room) return;
+  ordered.keys[place] = key;
+  if (ordered.from != nullptr) ordered.from[place] = from;
 }
 
-// Called by one thread before contacts are written, or not written because of long rows.
-__device__ void beginOutput(const OrderedOutput& out, bool too_long) {
-  *out.too_long = too_long ? 1 : 0;
-  if (out.open_count == nullptr) return;
-  for (unsigned k = 0; k < kOpenKinds; ++k) out.open_count[k] = 0;
+// Called by one thread before contacts are ordered, or not ordered because of long rows.
+__device__ void begin(const OrderStatus& status, bool too_long) {
+  *status.too_long = too_long ? 1 : 0;
+  if (status.open_count == nullptr) return;
+  for (unsigned k = 0; k < kOpenKinds; ++k) status.open_count[k] = 0;
 }
 
-// One thread for each contact: finds its place in its row by counting the lesser keys, and writes
-// it there. A contact that was found twice gets two places.
-__global__ void __launch_bounds__(kThreads) writeKernel(CycleArrays c, OrderedOutput out) {
+// One thread for each contact: finds its place in its row by counting the lesser keys. A contact
+// that was found twice gets two places.
+__global__ void __launch_bounds__(kThreads)
+    orderKernel(CycleArrays c, OrderedContacts ordered, OrderStatus status) {
   const bool too_long = c.contacts.row_too_long[Place(0)] != 0;
   const std::uint32_t count = c.listedContacts(), stride = gridDim.x * kThreads;
   std::uint32_t i = blockIdx.x * kThreads + threadIdx.x;
-  if (i == 0) beginOutput(out, too_long);
+  if (i == 0) begin(status, too_long);
   if (too_long) return;
   for (; i < count; i += stride) {
     const std::uint64_t key = c.contacts.rows[Place(i)];
     const TriangleIndex a = lowerOf(c, key);
-    const std::uint32_t begin = c.contacts.row_begin[a].value;
+    const std::uint32_t first = c.contacts.row_begin[a].value;
     const std::uint32_t end = c.contacts.row_begin[a + 1].value;
-    std::uint32_t place = begin;
-    for (std::uint32_t k = begin; k < end; ++k) {
+    std::uint32_t place = first;
+    for (std::uint32_t k = first; k < end; ++k) {
       const std::uint64_t other = c.contacts.rows[Place(k)];
       place += other < key || (other == key && k < i) ? 1 : 0;
     }
-    writeOne(c, out, c.contacts.row_from[Place(i)], key, place);
+    put(ordered, place, key, c.contacts.row_from[Place(i)]);
   }
 }
 
-// One warp for each contact: does the same for few contacts, as if all of them were one row.
-__global__ void __launch_bounds__(kThreads) writeFewKernel(CycleArrays c, OrderedOutput out) {
+// One thread for each ordered contact.
+__global__ void __launch_bounds__(kThreads)
+    writeKernel(CycleArrays c, OrderedContacts ordered, ContactsOnHost to) {
+  const std::uint32_t count = orderedCount(c, ordered.room), stride = gridDim.x * kThreads;
+  for (std::uint32_t i = blockIdx.x * kThreads + threadIdx.x; i < count; i += stride) {
+    writeOrdered(c, ordered, to, i);
+  }
+}
+
+// One warp for each contact: orders few contacts as if all of them were one row, and writes them.
+__global__ void __launch_bounds__(kThreads)
+    writeFewKernel(CycleArrays c, OrderedContacts ordered, ContactsOnHost to, OrderStatus status) {
   const std::uint32_t count = c.listedContacts(), stride = gridDim.x * kThreads / kWarp;
   const bool too_long = count > kLongestRow;
   if (blockIdx.x == 0 && threadIdx.x == 0) {
     c.contacts.row_too_long[Place(0)] = too_long ? 1 : 0;
-    beginOutput(out, too_long);
+    begin(status, too_long);
   }
   if (too_long) return;
   for (std::uint32_t i = (blockIdx.x * kThreads + threadIdx.x) / kWarp; i < count; i += stride) {
@@ -102,29 +107,22 @@ __global__ void __launch_bounds__(kThreads) writeFewKernel(CycleArrays c, Ordere
       before += other < key || (other == key && k < i) ? 1 : 0;
     }
     before = warpSum(before);
-    if (laneId() == 0) writeOne(c, out, Place(i), key, before);
+    if (laneId() != 0 || before >= ordered.room) continue;
+    put(ordered, before, key, Place(i));
+    writeOrdered(c, ordered, to, before);
   }
 }
 
 // Numbers the contacts before the sort, to find their times and separations afterwards.
-__global__ void __launch_bounds__(kThreads) numberKernel(Place* places, std::uint32_t count) {
-  const std::uint32_t stride = gridDim.x * kThreads;
-  for (std::uint32_t i = blockIdx.x * kThreads + threadIdx.x; i < count; i += stride) {
-    places[i] = Place(i);
-  }
-}
-
 __global__ void __launch_bounds__(kThreads)
-    writeSortedKernel(CycleArrays c, OrderedOutput out, std::uint32_t count) {
+    numberKernel(CycleArrays c, OrderStatus status, Place* places, std::uint32_t count) {
   const std::uint32_t stride = gridDim.x * kThreads;
   std::uint32_t i = blockIdx.x * kThreads + threadIdx.x;
   if (i == 0) {
     c.contacts.row_too_long[Place(0)] = 0;
-    beginOutput(out, false);
+    begin(status, false);
   }
-  for (; i < count; i += stride) {
-    writeOne(c, out, c.contacts.row_from[Place(i)], c.contacts.rows[Place(i)], i);
-  }
+  for (; i < count; i += stride) places[i] = Place(i);
 }
 
 }  // namespace
@@ -149,20 +147,26 @@ void ContactRows::gather(const CycleArrays& cycle, unsigned blocks, cudaStream_t
   scatterKernel<<<blocks, kThreads, 0, stream>>>(cycle);
 }
 
-void ContactRows::write(const CycleArrays& cycle, const OrderedOutput& out, unsigned blocks,
-                        cudaStream_t stream) const {
-  writeKernel<<<blocks, kThreads, 0, stream>>>(cycle, out);
+void ContactRows::order(const CycleArrays& cycle, const OrderedContacts& ordered,
+                        const OrderStatus& status, unsigned blocks, cudaStream_t stream) {
+  orderKernel<<<blocks, kThreads, 0, stream>>>(cycle, ordered, status);
 }
 
-void ContactRows::writeFew(const CycleArrays& cycle, const OrderedOutput& out, unsigned blocks,
+void ContactRows::write(const CycleArrays& cycle, const OrderedContacts& ordered,
+                        const ContactsOnHost& to, unsigned blocks, cudaStream_t stream) {
+  writeKernel<<<blocks, kThreads, 0, stream>>>(cycle, ordered, to);
+}
+
+void ContactRows::writeFew(const CycleArrays& cycle, const OrderedContacts& ordered,
+                           const ContactsOnHost& to, const OrderStatus& status, unsigned blocks,
                            cudaStream_t stream) {
-  writeFewKernel<<<blocks, kThreads, 0, stream>>>(cycle, out);
+  writeFewKernel<<<blocks, kThreads, 0, stream>>>(cycle, ordered, to, status);
 }
 
-void ContactRows::sortAndWrite(const CycleArrays& cycle, std::uint32_t count, unsigned index_bits,
-                               const OrderedOutput& out, unsigned blocks, cudaStream_t stream) {
+void ContactRows::sort(const CycleArrays& cycle, std::uint32_t count, unsigned index_bits,
+                       const OrderStatus& status, unsigned blocks, cudaStream_t stream) {
   places_.grow(count, stream);
-  numberKernel<<<blocks, kThreads, 0, stream>>>(places_.data(), count);
+  numberKernel<<<blocks, kThreads, 0, stream>>>(cycle, status, places_.data(), count);
   const auto sort = [&](void* memory, std::size_t& bytes) {
     checkCuda(cub::DeviceRadixSort::SortPairs(memory, bytes, cycle.contacts.contacts.data(),
                                               cycle.contacts.rows.data(), places_.data(),
@@ -173,7 +177,6 @@ void ContactRows::sortAndWrite(const CycleArrays& cycle, std::uint32_t count, un
   std::size_t bytes = 0;
   sort(nullptr, bytes);
   sort(scratch(bytes, stream), bytes);
-  writeSortedKernel<<<blocks, kThreads, 0, stream>>>(cycle, out, count);
 }
 
 }  // namespace deformable_contact_monitor
