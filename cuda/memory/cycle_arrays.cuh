@@ -330,8 +330,8 @@ struct OpenPair {
   float pad_m;  // of the two bodies together [m]
 };
 
-// The time interval of a contact in swept motion, stored beside its key. `high` is negative if only
-// the pad makes the pair a contact.
+// The time interval of a contact in swept motion, stored where it was found. `high` is negative if
+// only the pad makes the pair a contact.
 struct alignas(8) ContactTimes {
   float low, high;
 };
@@ -363,7 +363,8 @@ struct ContactArrays : ArrayGroup {
   // `row_begin` is the place of the first of them in `rows`.
   DeviceArray<std::uint32_t, TriangleIndex> row_count{*this, &CycleSizes::triangles, 1};
   DeviceArray<Place, TriangleIndex> row_begin{*this, &CycleSizes::triangles, 1};
-  // The contacts grouped by their lower triangle, and their places in `contacts`.
+  // The contacts grouped by their lower triangle, and their places in `contacts`. Stage output then
+  // puts them in their order, in `contacts` or here (OrderedContacts in stages/rows.cuh).
   DeviceArray<std::uint64_t, Place> rows{*this, &CycleSizes::contacts};
   DeviceArray<Place, Place> row_from{*this, &CycleSizes::contacts};
   DeviceArray<std::uint32_t, Place> row_too_long{*this, 1U};  // 1 if a row was too long

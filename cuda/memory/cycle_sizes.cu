@@ -15,7 +15,8 @@ std::uint64_t candidateBytes(bool swept) {
   return sizeof(DeviceCandidate) + sizeof(std::uint32_t) + (swept ? more : 0);
 }
 std::uint64_t contactBytes(bool swept) {
-  return 2 * sizeof(std::uint64_t) + sizeof(Place) + (swept ? sizeof(ContactTimes) : sizeof(float));
+  return 2 * sizeof(std::uint64_t) + 2 * sizeof(Place) +
+         (swept ? sizeof(ContactTimes) : sizeof(float));
 }
 
 // Returns the wanted number of elements, at most as many as half of the memory limit holds [bytes].

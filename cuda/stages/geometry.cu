@@ -87,8 +87,8 @@ __global__ void __launch_bounds__(kThreads)
   writers[threadIdx.x / kWarp].write(out.geometry, crosses, i, geometry);
 }
 
-// One thread for each contact that was listed, and warps of one kind. The threads that are left
-// write the contacts meanwhile.
+// One thread for each contact that was listed, and warps of one kind. Then, or at once if none is
+// left for a thread, it writes its share of the contacts.
 __global__ void __launch_bounds__(kThreads)
     openKernel(CycleArrays c, OrderedContacts ordered, ContactsOnHost to, GeometryOutput out) {
   __shared__ GeometryWriter writers[kWarps];

@@ -30,10 +30,11 @@ class ContactOutput {
   // `blocks`: the number of blocks of each launch.
   explicit ContactOutput(unsigned blocks) : blocks_(blocks) {}
 
-  // Enqueues the sort of the contacts and their transfer to the result, whose contacts and geometry
-  // must be in pinnedMemory(). There is room for at least `expected` contacts, and for more if
-  // there once was; others are not written. Geometry comes with up to `most_described` contacts.
-  // The stream must have been waited for since the last fetch.
+  // Enqueues the sort of the contacts, which may order them in place, and their transfer to the
+  // result, whose contacts and geometry must be in pinnedMemory(). There is room for at least
+  // `expected` contacts, and for more if there once was; others are not written. Geometry comes
+  // with up to `most_described` contacts. The stream must have been waited for since the last
+  // fetch.
   void fetch(const CycleArrays& cycle, const ContactFields& fields, std::uint32_t expected,
              std::uint32_t most_described, DetectionResult& result, cudaStream_t stream);
   // Returns whether the fetch brought the first `count` contacts with all fields. The stream must

@@ -77,7 +77,7 @@ class ContactRows {
   // Groups all contacts into contacts.rows and row_from, in any order within a row.
   void gather(const CycleArrays& cycle, unsigned blocks, cudaStream_t stream);
   // Finds each contact's place in its row by counting. Call it after gather(). `ordered` must not
-  // be in contacts.rows. Does nothing if some row is too long: see OrderStatus.
+  // be in contacts.rows. Orders nothing if some row is too long: see OrderStatus.
   static void order(const CycleArrays& cycle, const OrderedContacts& ordered,
                     const OrderStatus& status, unsigned blocks, cudaStream_t stream);
   // Writes ordered contacts to the host in their order: single ones would be slow over the bus.
@@ -113,9 +113,10 @@ struct GeometryOutput {
   std::uint32_t* open_count;  // kOpenKinds numbers: how many are listed of either kind; zero before
 };
 
-// Enqueues the computation of the contacts' geometry, and writes the contacts too: the bus is idle
-// while the last of the geometry is computed. Reads scene.corners and scene.posed. `blocks`: the
-// number of blocks of the launch for contacts that do not properly cross.
+// Enqueues the computation of the contacts' geometry, and writes the contacts too: few threads
+// describe those that do not properly cross, and the bus would be idle meanwhile. Reads
+// scene.corners and scene.posed. `blocks`: the number of blocks of the launch for contacts that do
+// not properly cross.
 void launchGeometry(const CycleArrays& cycle, const OrderedContacts& ordered,
                     const ContactsOnHost& to, const GeometryOutput& out, unsigned blocks,
                     cudaStream_t stream);

@@ -1,6 +1,7 @@
 // Stage transform, on a branch beside the transformation: finds which vertices are equal and which
 // fans are certified, and gives tile entries the ids of their vertices.
 #include "core/predicates/vertex_fan.h"
+#include "core/rules/fan_order.h"
 #include "core/rules/posed_vertex.h"
 #include "core/rules/vertex_hash.h"
 #include "cuda/device/launch.cuh"
@@ -129,7 +130,9 @@ __device__ void certifyFans(const CycleArrays& c, const BodyBlock& block, Vec3f*
   if (!mine) return;
   const Vec3f v = posedAt(scene, body, i);
   const RingOfVertex ring(scene, body, staged, first, i);
-  scene.fan_certified[i] = c.params().partition.has(v) && isFanCertified(v, ring) ? 1 : 0;
+  // putRing() leaves the rings of larger fans without an order.
+  const bool may_be = ring.size() <= kMostFanTriangles + 1 && c.params().partition.has(v);
+  scene.fan_certified[i] = may_be && isFanCertified(v, ring) ? 1 : 0;
 }
 
 // One block for each of scene.vertex_blocks, and if fans are needed a second one. Both kinds of

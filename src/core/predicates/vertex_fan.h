@@ -65,8 +65,8 @@ DCM_HD inline bool isFanCertified(const Vec3f& centre, const Fan& fan) {
   normal = normal * (1 / scale);
   // If the triangles turn by more than a full circle, they pass the first ray: some triangle that
   // starts on the right of it, or opposite to it, ends on it or on the left. The last triangle of a
-  // closed fan may end on it. There are no branches, because few fans fail, and one thread works on
-  // each.
+  // closed fan may end on it. There are no branches, because few fans fail, and on the
+  // device a warp waits for its longest.
   const std::uint32_t last = fan.closed() ? size - 1 : size;
   bool certified = true, was_ahead = false;
   from = first;
