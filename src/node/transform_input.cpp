@@ -60,6 +60,7 @@ void TransformInput::receive(const ros::MessageEvent<const tf2_msgs::TFMessage>&
                              bool is_static) {
   const ros::Time now = ros::Time::now();
   const SteadyTime steady_now = std::chrono::steady_clock::now();
+  buffer_.lookAtClock(steady_now);
   for (const geometry_msgs::TransformStamped& transform : event.getMessage()->transforms) {
     const ros::Time& stamp = transform.header.stamp;
     if (!is_static && !isUsableStamp(stamp, now)) {

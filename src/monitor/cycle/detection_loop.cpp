@@ -76,6 +76,7 @@ SteadyTime DetectionLoop::step() {
 void DetectionLoop::lookAtTime() {
   const bool was_there = clock_.isThere();
   const double back_s = clock_.update(time_.ros());
+  sources_.transforms.lookAtClock(time_.steady());
   if (clock_.isThere() != was_there) list_due_ = SteadyTime();
   if (!clock_.isThere()) dropMeshes();
   if (back_s > 0) reset("time jump: the clock went back by " + std::to_string(back_s) + " s");
@@ -84,7 +85,10 @@ void DetectionLoop::lookAtTime() {
 void DetectionLoop::lookAtRequests() {
   const Requests requests = sources_.requests.take();
   epoch_ = requests.epoch;
-  if (requests.reset) reset("reset");
+  if (requests.reset) {
+    sources_.transforms.forget(time_.steady());
+    reset("reset");
+  }
   if (requests.live) applyLive(*requests.live);
   if (requests.allowed_contacts) {
     scene_.setAllowedContacts(*requests.allowed_contacts);
@@ -177,14 +181,14 @@ void DetectionLoop::warnOfUnknownNames() {
   }
 }
 
-// Forgets everything that depends on time: meshes, transforms and states.
+// Forgets meshes and states, which depend on time as transforms do. After a jump of the clock the
+// buffer may have transforms of the new time already, so it forgets by itself.
 void DetectionLoop::reset(const std::string& reason) {
   ROS_INFO_STREAM("reset: " << reason);
   for (MeshInput& input : inputs_) input.forget();
   scheduler_.clear();
   robots_stamp_ = ros::Time();
   lookup_.noteReset();
-  sources_.transforms.forget(time_.steady());
   detector_->reset();
   planner_.forgetAll(reason);
   sink_->forgetStates("", reason);

@@ -172,6 +172,17 @@ void TransformBuffer::noteStamp(const geometry_msgs::TransformStamped& transform
 
 void TransformBuffer::forget(SteadyTime steady_now) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  forgetLocked(steady_now);
+}
+
+// Reads the clock under the lock, so that no thread takes the time before a jump for a later one.
+void TransformBuffer::lookAtClock(SteadyTime steady_now) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const ros::Time before = std::exchange(looked_at_, ros_now_());
+  if (secondsBetween(before, looked_at_) > kClockToleranceS) forgetLocked(steady_now);
+}
+
+void TransformBuffer::forgetLocked(SteadyTime steady_now) {
   window_.open(steady_now);
   clear();
   for (auto& named : children_) {

@@ -52,6 +52,11 @@ class TransformBuffer : public tf2::BufferCore {
   // Drops all transforms but the static ones, and for half a second those that come from before.
   void forget(SteadyTime steady_now);
 
+  // Does that if the clock went back since the last call, by more than two machines may differ. tf2
+  // takes no transform that is much older than its newest one, so call it before add(): whoever
+  // else notices the jump may be later than the first transforms of the new time.
+  void lookAtClock(SteadyTime steady_now);
+
   // Returns the nodes that put a frame at different places on /tf_static. The buffer does not know
   // which of them have ended; call dropStatics() for those.
   std::set<std::string> staticRivals() const;
@@ -86,6 +91,7 @@ class TransformBuffer : public tf2::BufferCore {
     std::string static_problem;
   };
 
+  void forgetLocked(SteadyTime steady_now);
   bool contest(const geometry_msgs::TransformStamped& transform, const std::string& publisher,
                Child* child);
   void compareTopics(Child* child);
@@ -97,6 +103,7 @@ class TransformBuffer : public tf2::BufferCore {
   const std::function<ros::Time()> ros_now_;
   const double max_gap_s_;
   mutable std::mutex mutex_;  // so that nothing slips in between a check and what follows from it
+  ros::Time looked_at_;       // ROS time at the last lookAtClock()
   LeftoverWindow window_;
   std::map<std::string, Child> children_;  // by frame
   ros::Time gaps_end_;                     // no gap ends later

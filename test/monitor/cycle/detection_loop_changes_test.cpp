@@ -266,6 +266,19 @@ TEST_F(ChangesTest, ATransformFromBeforeTheJumpIsLeftOutForHalfASecond) {
   EXPECT_TRUE(arrives(50)) << "some publishers predict";
 }
 
+// A step may be a quarter of a second after the jump.
+TEST_F(ChangesTest, TransformsBetweenAJumpAndTheNextStepStay) {
+  step();
+  ros_time_ = ros::Time(40);
+  transforms_.lookAtClock(steady_time_);  // as whoever receives them does
+  EXPECT_TRUE(transforms_.add(transformAt("camera", 40), "test", false, steady_time_));
+  EXPECT_EQ(step().size(), 2U) << "it forgets and resets";
+  EXPECT_TRUE(transforms_.canTransform("base", "camera", ros::Time(40)));
+  requests_.requestReset();
+  step();
+  EXPECT_FALSE(transforms_.canTransform("base", "camera", ros::Time(40))) << "it was asked to";
+}
+
 TEST_F(ChangesTest, ANewRobotEndsContactsTheFirstOneDoesNot) {
   parameters_.pair_classes.robot_deformable = true;
   EXPECT_EQ(step(), Lines());

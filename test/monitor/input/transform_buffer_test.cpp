@@ -305,6 +305,28 @@ TEST_F(TransformBufferTest, AResetEndsGaps) {
   EXPECT_EQ(outcome("arm", 1.2), Outcome::kFound);
 }
 
+// tf2 rejects what is more than 10 s older than its newest transform.
+TEST_F(TransformBufferTest, AClockThatGoesBackIsNoticedOnce) {
+  is_clock_held_ = true;
+  const SteadyTime start;
+  now_ = ros::Time(1000);
+  buffer_.lookAtClock(start);
+  EXPECT_TRUE(add("base", "arm", 1000, 1));
+  now_ = ros::Time(999.95);
+  buffer_.lookAtClock(start);
+  EXPECT_EQ(outcome("arm", 1000), Outcome::kFound) << "a small step";
+  now_ = ros::Time(600);
+  EXPECT_FALSE(add("base", "arm", 600, 2)) << "nobody looked at the clock";
+  buffer_.lookAtClock(start);
+  EXPECT_TRUE(add("base", "arm", 600, 2));
+  EXPECT_FALSE(add("base", "arm", 1000.05, 1)) << "it was under way when the clock jumped";
+  buffer_.lookAtClock(start);
+  EXPECT_EQ(ask("arm", 600).pose.translation[0], 2) << "it is of the new time";
+  now_ = ros::Time(601);
+  buffer_.lookAtClock(start);
+  EXPECT_EQ(outcome("arm", 600), Outcome::kFound);
+}
+
 // The definition: a stamp is known if on each frame below `base` its neighbours are close enough.
 TEST_F(TransformBufferTest, RandomTransformsAgreeWithTheDefinition) {
   const std::vector<std::string> frames = {"base", "a", "b", "c"};
