@@ -30,6 +30,8 @@ bool areSame(const geometry_msgs::TransformStamped& a, const geometry_msgs::Tran
          std::equal(one.translation, one.translation + 3, other.translation, are_close);
 }
 
+constexpr std::size_t kMostFrames = 1000;  // on the way upwards: tf2's own limit against loops
+
 // By how much places on /tf and /tf_static may differ, and those of two nodes on /tf_static:
 // parameter files round numbers, such as 1.571 for pi / 2.
 constexpr double kDigits = 1e-6, kFewDigits = 1e-3;
@@ -194,6 +196,23 @@ void TransformBuffer::forgetLocked(SteadyTime steady_now) {
   gaps_end_ = ros::Time();
 }
 
+bool TransformBuffer::wereConnected(const std::string& frame, const std::string& other) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return rootOf(plainFrame(frame)) == rootOf(plainFrame(other));
+}
+
+// Returns the last frame on the way upwards, by the newest transforms.
+std::string TransformBuffer::rootOf(std::string frame) const {
+  for (std::size_t steps = 0; steps < kMostFrames; ++steps) {
+    const auto found = children_.find(frame);
+    const std::string parent =
+        found == children_.end() ? "" : plainFrame(found->second.newest.header.frame_id);
+    if (parent.empty()) break;
+    frame = parent;
+  }
+  return frame;
+}
+
 std::string TransformBuffer::problemAt(const std::string& frame, const std::string& reference,
                                        const ros::Time& stamp) const {
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -223,12 +242,11 @@ std::string TransformBuffer::problemAt(const std::string& frame, const std::stri
 std::vector<std::string> TransformBuffer::framesBetween(const std::string& frame,
                                                         const std::string& reference,
                                                         const ros::Time& stamp) const {
-  constexpr std::size_t kMost = 1000;  // tf2's own limit against loops
   const auto upwards = [&](const std::string& start) {
     std::vector<std::string> names{plainFrame(start)};
     std::string above;
-    while (names.size() < kMost && (_getParent(names.back(), stamp, above) ||
-                                    _getParent(names.back(), ros::Time(), above))) {
+    while (names.size() < kMostFrames && (_getParent(names.back(), stamp, above) ||
+                                          _getParent(names.back(), ros::Time(), above))) {
       names.push_back(above);
     }
     return names;

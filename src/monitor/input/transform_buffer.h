@@ -57,6 +57,10 @@ class TransformBuffer : public tf2::BufferCore {
   // else notices the jump may be later than the first transforms of the new time.
   void lookAtClock(SteadyTime steady_now);
 
+  // Returns whether transforms have ever led from one frame to the other, also if they were
+  // forgotten since.
+  bool wereConnected(const std::string& frame, const std::string& other) const;
+
   // Returns the nodes that put a frame at different places on /tf_static. The buffer does not know
   // which of them have ended; call dropStatics() for those.
   std::set<std::string> staticRivals() const;
@@ -92,6 +96,7 @@ class TransformBuffer : public tf2::BufferCore {
   };
 
   void forgetLocked(SteadyTime steady_now);
+  std::string rootOf(std::string frame) const;
   bool contest(const geometry_msgs::TransformStamped& transform, const std::string& publisher,
                Child* child);
   void compareTopics(Child* child);

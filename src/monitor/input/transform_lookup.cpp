@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -93,15 +94,6 @@ void TransformLookup::giveUp(const std::vector<FrameAtStamp>& frames) {
   for (const FrameAtStamp& frame : frames) {
     const PoseAnswer answer = ask(frame);
     if (answer.outcome == PoseAnswer::Outcome::kLate) given_up_[frame.frame] = answer.available;
-  }
-}
-
-void TransformLookup::noteReset() {
-  given_up_.clear();
-  std::vector<std::string> frames;
-  buffer_._getFrameStrings(frames);
-  for (const std::string& frame : frames) {
-    if (buffer_.canTransform(reference_frame_, frame, ros::Time(0))) seen_.insert(frame);
   }
 }
 
@@ -195,7 +187,7 @@ PoseAnswer TransformLookup::explain(const FrameAtStamp& question) const {
     answer.available =
         buffer_.lookupTransform(reference_frame_, question.frame, ros::Time(0)).header.stamp;
   } catch (const tf2::TransformException&) {
-    if (seen_.count(question.frame) > 0) {
+    if (buffer_.wereConnected(question.frame, reference_frame_)) {
       answer.outcome = PoseAnswer::Outcome::kLate;
       answer.problem = path + " is late: wanted " + shown(question.stamp) + ", none available yet";
       return answer;

@@ -6,7 +6,6 @@
 
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -67,9 +66,9 @@ class TransformLookup {
   // for a frame that nobody publishes any more.
   void giveUp(const std::vector<FrameAtStamp>& frames);
 
-  // Must be called before all transforms are dropped. Frames that have a pose now are expected to
-  // come again: until they do they count as late, also if giveUp() noted them before.
-  void noteReset();
+  // Must be called after all transforms were dropped. Frames that had a pose are expected to come
+  // again: until they do they count as late, also if giveUp() noted them before.
+  void noteReset() { given_up_.clear(); }
 
   // Returns the newest stamp at which all of these frames have a pose. Frames without any pose are
   // left out, and so are those whose newest pose is more than `window_s` [s] behind that of the
@@ -92,7 +91,6 @@ class TransformLookup {
   const TransformBuffer& buffer_;
   const std::string reference_frame_;
   std::map<std::string, ros::Time> given_up_;  // the newest stamp then, by frame
-  std::set<std::string> seen_;                 // frames with a pose before a reset
 };
 
 // Returns the frame's name without the leading '/' of tf1.

@@ -58,7 +58,7 @@ class HeldTest : public LoopTest {
     t.transform.translation.x = 2 * crossed + .25;
     t.transform.translation.y = .25;
     t.transform.rotation.w = 1;
-    transforms_.setTransform(t, "test");
+    transforms_.add(t, "test", false, SteadyTime::max());
   }
 
   // Makes a cycle in which the links cross these triangles, and one triangle has a NaN (-1: none).

@@ -154,9 +154,9 @@ inline geometry_msgs::TransformStamped transformAt(const std::string& frame, dou
   return t;
 }
 
-inline void addTransform(tf2::BufferCore* buffer, const std::string& frame, double stamp_s,
+inline void addTransform(TransformBuffer* buffer, const std::string& frame, double stamp_s,
                          double angle = 0) {
-  buffer->setTransform(transformAt(frame, stamp_s, angle), "test");
+  buffer->add(transformAt(frame, stamp_s, angle), "test", false, SteadyTime::max());
 }
 
 // Has two objects, 0 "cloth" and 1 "cable", in the reference frame "base". Only pairs of objects

@@ -65,7 +65,7 @@ class RigidSceneTest : public LoopTest {
     t.child_frame_id = frame;
     t.transform.translation.x = x;
     t.transform.rotation.w = 1;
-    transforms_.setTransform(t, "test");
+    transforms_.add(t, "test", false, SteadyTime::max());
   }
 
   // Makes the cloth's cycle an eighth of a second later, with the frames at these places.

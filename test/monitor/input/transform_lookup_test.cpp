@@ -27,7 +27,7 @@ geometry_msgs::TransformStamped transform(const std::string& parent, const std::
 class TransformLookupTest : public ::testing::Test {
  protected:
   void set(const geometry_msgs::TransformStamped& t, bool is_static = false) {
-    ASSERT_TRUE(buffer_.setTransform(t, "test", is_static));
+    ASSERT_TRUE(buffer_.add(t, "test", is_static, steady_time_));
   }
 
   PoseAnswer ask(const std::string& frame, double stamp_s) {
@@ -37,7 +37,8 @@ class TransformLookupTest : public ::testing::Test {
     return lookup_.isWorthWaiting({{frame, ros::Time(stamp_s)}});
   }
 
-  TransformBuffer buffer_;
+  const SteadyTime steady_time_;
+  TransformBuffer buffer_{[] { return ros::Time(10); }};
   TransformLookup lookup_{buffer_, "base"};
 };
 
@@ -167,8 +168,8 @@ TEST_F(TransformLookupTest, WhatWasThereBeforeAResetIsLateUntilItIsThereAgain) {
   set(transform("island", "palm", 10));
   lookup_.giveUp({{"hand", ros::Time(11)}});
   for (const char* reset : {"one", "another before anything came"}) {
+    buffer_.forget(SteadyTime::min());
     lookup_.noteReset();
-    buffer_.clear();
     const PoseAnswer answer = ask("hand", 10);
     EXPECT_EQ(answer.outcome, Outcome::kLate) << reset;
     EXPECT_TRUE(answer.available.isZero());
