@@ -116,7 +116,7 @@ class HoldTest : public ::testing::Test {
 
   MonitorParameters parameters_;
   RobotGeometry robot_;
-  TransformBuffer buffer_;
+  TransformBuffer buffer_{[] { return ros::Time(50); }};
   IncomingMesh mesh_;
 };
 

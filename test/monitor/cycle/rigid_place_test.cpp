@@ -77,7 +77,7 @@ class GripTest : public ::testing::Test {
 
   MonitorParameters parameters_;
   AttachedObjects attached_;
-  TransformBuffer transforms_;
+  TransformBuffer transforms_{[] { return ros::Time(50); }};
   ros::Time now_{50.5};
 };
 
