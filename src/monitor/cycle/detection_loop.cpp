@@ -76,9 +76,12 @@ SteadyTime DetectionLoop::step() {
 void DetectionLoop::lookAtTime() {
   const bool was_there = clock_.isThere();
   const double back_s = clock_.update(time_.ros());
-  sources_.transforms.lookAtClock(time_.steady());
+  const std::uint64_t jumps = sources_.transforms.lookAtClock(time_.steady());
+  const bool is_noticed = jumps != std::exchange(jumps_, jumps);  // also a jump that is over
   if (clock_.isThere() != was_there) list_due_ = SteadyTime();
   if (!clock_.isThere()) dropMeshes();
+  if (back_s > 0 && !is_noticed) sources_.transforms.forget(time_.steady());
+  if (back_s == 0 && is_noticed) reset("time jump: the clock went back");
   if (back_s > 0) reset("time jump: the clock went back by " + std::to_string(back_s) + " s");
 }
 
@@ -181,8 +184,8 @@ void DetectionLoop::warnOfUnknownNames() {
   }
 }
 
-// Forgets meshes and states, which depend on time as transforms do. After a jump of the clock the
-// buffer may have transforms of the new time already, so it forgets by itself.
+// Forgets meshes and states, which depend on time as transforms do. Call it once those are
+// forgotten: after a jump of the clock the buffer may have some of the new time already.
 void DetectionLoop::reset(const std::string& reason) {
   ROS_INFO_STREAM("reset: " << reason);
   for (MeshInput& input : inputs_) input.forget();
@@ -359,7 +362,8 @@ CycleReport DetectionLoop::findContacts(const ros::Time& t, const CycleTrigger& 
     sink_->recordDetectorError(error.what());
   }
   report.now = time_.ros();
-  if (clock_.backS(report.now) == 0) return report;
+  const bool is_noticed = sources_.transforms.lookAtClock(time_.steady()) != jumps_;
+  if (clock_.backS(report.now) == 0 && !is_noticed) return report;
   // The next step resets everything. Until then, nothing of the time before is said to be known.
   for (BodyStatus& body : report.bodies) {
     if (body.triggered) body.unknown_because = "time jump: the clock went back during the cycle";

@@ -117,6 +117,7 @@ class DetectionLoop {
   std::vector<Wait> deletions_;  // by object, the last one that waited for a new mesh
   bool names_checked_ = false;   // of the allowed contacts, against the bodies'
   std::uint64_t cycle_ = 0, epoch_ = 0;
+  std::uint64_t jumps_ = 0;  // TransformBuffer::lookAtClock()
   TransformWarnings transform_warnings_;
   SteadyTime list_due_, show_due_;
 };

@@ -30,8 +30,6 @@ bool areSame(const geometry_msgs::TransformStamped& a, const geometry_msgs::Tran
          std::equal(one.translation, one.translation + 3, other.translation, are_close);
 }
 
-constexpr std::size_t kMostFrames = 1000;  // on the way upwards: tf2's own limit against loops
-
 // By how much places on /tf and /tf_static may differ, and those of two nodes on /tf_static:
 // parameter files round numbers, such as 1.571 for pi / 2.
 constexpr double kDigits = 1e-6, kFewDigits = 1e-3;
@@ -178,10 +176,12 @@ void TransformBuffer::forget(SteadyTime steady_now) {
 }
 
 // Reads the clock under the lock, so that no thread takes the time before a jump for a later one.
-void TransformBuffer::lookAtClock(SteadyTime steady_now) {
+std::uint64_t TransformBuffer::lookAtClock(SteadyTime steady_now) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const ros::Time before = std::exchange(looked_at_, ros_now_());
-  if (secondsBetween(before, looked_at_) > kClockToleranceS) forgetLocked(steady_now);
+  if (secondsBetween(before, looked_at_) <= kClockToleranceS) return jumps_;
+  forgetLocked(steady_now);
+  return ++jumps_;
 }
 
 void TransformBuffer::forgetLocked(SteadyTime steady_now) {
@@ -198,19 +198,21 @@ void TransformBuffer::forgetLocked(SteadyTime steady_now) {
 
 bool TransformBuffer::wereConnected(const std::string& frame, const std::string& other) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return rootOf(plainFrame(frame)) == rootOf(plainFrame(other));
+  const std::set<std::string> of_other = ancestorsOf(plainFrame(other));
+  const std::set<std::string> of_frame = ancestorsOf(plainFrame(frame));
+  return std::any_of(of_frame.begin(), of_frame.end(),
+                     [&](const std::string& name) { return of_other.count(name) > 0; });
 }
 
-// Returns the last frame on the way upwards, by the newest transforms.
-std::string TransformBuffer::rootOf(std::string frame) const {
-  for (std::size_t steps = 0; steps < kMostFrames; ++steps) {
+// Returns the frame itself and those above it, by the newest transforms. These may make a circle,
+// where a publisher has turned an edge around.
+std::set<std::string> TransformBuffer::ancestorsOf(std::string frame) const {
+  std::set<std::string> ancestors;
+  while (!frame.empty() && ancestors.insert(frame).second) {
     const auto found = children_.find(frame);
-    const std::string parent =
-        found == children_.end() ? "" : plainFrame(found->second.newest.header.frame_id);
-    if (parent.empty()) break;
-    frame = parent;
+    frame = found == children_.end() ? "" : plainFrame(found->second.newest.header.frame_id);
   }
-  return frame;
+  return ancestors;
 }
 
 std::string TransformBuffer::problemAt(const std::string& frame, const std::string& reference,
@@ -242,11 +244,12 @@ std::string TransformBuffer::problemAt(const std::string& frame, const std::stri
 std::vector<std::string> TransformBuffer::framesBetween(const std::string& frame,
                                                         const std::string& reference,
                                                         const ros::Time& stamp) const {
+  constexpr std::size_t kMost = 1000;  // tf2's own limit against loops
   const auto upwards = [&](const std::string& start) {
     std::vector<std::string> names{plainFrame(start)};
     std::string above;
-    while (names.size() < kMostFrames && (_getParent(names.back(), stamp, above) ||
-                                          _getParent(names.back(), ros::Time(), above))) {
+    while (names.size() < kMost && (_getParent(names.back(), stamp, above) ||
+                                    _getParent(names.back(), ros::Time(), above))) {
       names.push_back(above);
     }
     return names;

@@ -6,6 +6,7 @@
 #include <ros/time.h>
 #include <tf2/buffer_core.h>
 
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <map>
@@ -52,13 +53,14 @@ class TransformBuffer : public tf2::BufferCore {
   // Drops all transforms but the static ones, and for half a second those that come from before.
   void forget(SteadyTime steady_now);
 
-  // Does that if the clock went back since the last call, by more than two machines may differ. tf2
-  // takes no transform that is much older than its newest one, so call it before add(): whoever
-  // else notices the jump may be later than the first transforms of the new time.
-  void lookAtClock(SteadyTime steady_now);
+  // Does that if the clock went back since the last call, by more than two machines may differ.
+  // Returns how often it did that so far. tf2 takes no transform that is much older than its newest
+  // one, so call it before add(): whoever else notices the jump may be later than the first
+  // transforms of the new time.
+  std::uint64_t lookAtClock(SteadyTime steady_now);
 
-  // Returns whether transforms have ever led from one frame to the other, also if they were
-  // forgotten since.
+  // Returns whether the newest transforms lead from one frame to the other, whatever their stamps
+  // are, also if they were forgotten since.
   bool wereConnected(const std::string& frame, const std::string& other) const;
 
   // Returns the nodes that put a frame at different places on /tf_static. The buffer does not know
@@ -96,7 +98,7 @@ class TransformBuffer : public tf2::BufferCore {
   };
 
   void forgetLocked(SteadyTime steady_now);
-  std::string rootOf(std::string frame) const;
+  std::set<std::string> ancestorsOf(std::string frame) const;
   bool contest(const geometry_msgs::TransformStamped& transform, const std::string& publisher,
                Child* child);
   void compareTopics(Child* child);
@@ -109,6 +111,7 @@ class TransformBuffer : public tf2::BufferCore {
   const double max_gap_s_;
   mutable std::mutex mutex_;  // so that nothing slips in between a check and what follows from it
   ros::Time looked_at_;       // ROS time at the last lookAtClock()
+  std::uint64_t jumps_ = 0;
   LeftoverWindow window_;
   std::map<std::string, Child> children_;  // by frame
   ros::Time gaps_end_;                     // no gap ends later

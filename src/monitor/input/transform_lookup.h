@@ -36,13 +36,13 @@ struct FrameAtStamp {
 struct PoseAnswer {
   enum class Outcome {
     kFound,
-    kLate,   // may still come: the newest transform is older than the stamp, or a reset removed it
+    kLate,   // may still come: transforms are older than the stamp, or were forgotten
     kPast,   // will not come: transforms are newer than the stamp, or the buffer has a problem
     kNever,  // nothing has ever connected the frame to the reference frame
   };
   Outcome outcome = Outcome::kNever;
   RigidTransform pose;  // if kFound: maps points of the frame to the reference frame
-  ros::Time available;  // newest stamp with a transform; zero: none since a reset
+  ros::Time available;  // newest stamp with a transform; zero: none
   std::string problem;  // says what is missing; empty if kFound
 };
 

@@ -209,6 +209,7 @@ void StateWorld::sendTransform(Frame* frame, TransformBuffer* buffer) {
 // clock went back, and tells nothing of the time since.
 void StateWorld::putTransform(Frame* frame, const ros::Time& stamp, const Sample& sample,
                               TransformBuffer* buffer) {
+  buffer->lookAtClock(steady());
   if (secondsBetween(stamp, now()) > kMostAheadS || frame->samples.count(stamp) > 0) return;
   if (!buffer->add(toMessage(frame->parent, frame->name, stamp, sample.place, frame->motion.axis,
                              sample.angle),

@@ -279,6 +279,26 @@ TEST_F(ChangesTest, TransformsBetweenAJumpAndTheNextStepStay) {
   EXPECT_FALSE(transforms_.canTransform("base", "camera", ros::Time(40))) << "it was asked to";
 }
 
+// Meshes and states from before it would be joined with transforms from after it.
+TEST_F(ChangesTest, AJumpThatIsOverAtTheNextStepResetsToo) {
+  step();
+  ros_time_ = ros::Time(49.75);
+  transforms_.lookAtClock(steady_time_);
+  ros_time_ = ros::Time(50);
+  const std::string reason = "time jump: the clock went back";
+  EXPECT_EQ(step(), (Lines{"forget all: " + reason, "reset: " + reason}));
+  give(0, 50);
+  at_cycle_ = [this] {
+    for (const double now_s : {49.75, 50.0}) {
+      ros_time_ = ros::Time(now_s);
+      transforms_.lookAtClock(steady_time_);
+    }
+  };
+  EXPECT_EQ(step(),
+            Lines{"cycle 50: *cloth@50(" + reason + " during the cycle) cable(no mesh yet)"});
+  EXPECT_EQ(step().size(), 2U) << "it forgets and resets";
+}
+
 TEST_F(ChangesTest, ANewRobotEndsContactsTheFirstOneDoesNot) {
   parameters_.pair_classes.robot_deformable = true;
   EXPECT_EQ(step(), Lines());

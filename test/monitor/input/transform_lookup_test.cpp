@@ -190,6 +190,17 @@ TEST_F(TransformLookupTest, WhatWasThereBeforeAResetIsLateUntilItIsThereAgain) {
   EXPECT_TRUE(isWorthWaiting("hand", 12)) << "it moves";
 }
 
+// Then the newest transforms make a circle.
+TEST_F(TransformLookupTest, AnEdgeThatWasTurnedAroundConnectsFrames) {
+  set(transform("odom", "base", 10));
+  set(transform("base", "arm", 10));
+  set(transform("base", "odom", 11));
+  buffer_.forget(SteadyTime::min());
+  EXPECT_EQ(ask("arm", 12).outcome, Outcome::kLate);
+  EXPECT_EQ(ask("odom", 12).outcome, Outcome::kLate);
+  EXPECT_EQ(ask("ghost", 12).outcome, Outcome::kNever);
+}
+
 TEST_F(TransformLookupTest, OneLateFrameCostsNoOtherItsPose) {
   set(transform("base", "arm", 10));
   set(transform("base", "hand", 11));
