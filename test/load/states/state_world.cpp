@@ -15,7 +15,6 @@ namespace {
 
 const char* const kSentinel = "sentinel";  // a frame that shows whether the buffer was cleared
 constexpr double kKeptS = 10;              // tf2 keeps transforms for so long
-constexpr double kMostAheadS = 5;          // the node leaves out transforms beyond
 
 // A closed, convex shape.
 SmallShape tetrahedron(double size) {
@@ -210,7 +209,8 @@ void StateWorld::sendTransform(Frame* frame, TransformBuffer* buffer) {
 void StateWorld::putTransform(Frame* frame, const ros::Time& stamp, const Sample& sample,
                               TransformBuffer* buffer) {
   buffer->lookAtClock(steady());
-  if (secondsBetween(stamp, now()) > kMostAheadS || frame->samples.count(stamp) > 0) return;
+  noteClearedBuffer(buffer);
+  if (!isUsableStamp(stamp, now()) || frame->samples.count(stamp) > 0) return;
   if (!buffer->add(toMessage(frame->parent, frame->name, stamp, sample.place, frame->motion.axis,
                              sample.angle),
                    "test", false, steady()) ||
