@@ -109,9 +109,11 @@ class Startup(unittest.TestCase):
         for line in ("  missing  a mesh of 'sheet' on /sheet, on which nobody publishes",
                      "  missing  TF of 2 of 2 links: TF frame 'attic' never seen"):
             self.assertIn(line, lines)
+        # roscpp complains where another test's node looks for one that had this port before.
         with console.condition:
-            before = [m.msg for m in console.messages if m.name == "/first_start"]
-        self.assertEqual(before[0], block.msg)
+            first = next(m.msg for m in console.messages if m.name == "/first_start"
+                         and not m.file.endswith("/libros/connection.cpp"))
+        self.assertEqual(first, block.msg)
         said.seek(0)  # a file has it at once, too
         self.assertIn("\n".join(lines), said.read())
 
